@@ -22,9 +22,9 @@ std::optional<Feedback> read_feedback(TomlSection& section) {
   return *v == "motor" ? Feedback::kMotor : Feedback::kOutput;
 }
 
-Range lateness() { return {0, kMostLate, false, fmt::format("from 0 to {} s", kMostLate)}; }
+Range delay_range() { return {0, kMaxDelay, false, fmt::format("from 0 to {} s", kMaxDelay)}; }
 
-// What is added to the struct is wanted in its for_each, and in the table below, by the table's type.
+// Every member of the struct must be in its for_each and, by the type of the table below, in that table.
 static_assert([] {
   SeaParameters<double> sea{};
   int constants = 0;
@@ -34,7 +34,7 @@ static_assert([] {
 
 const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants() {
   using Sea = SeaParameters<double>;
-  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = lateness();
+  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = delay_range();
   static const auto list = std::to_array<ActuatorConstant>({
       {kConstantNames[0], &Sea::k_p, kConstantUnits[0], "Proportional gain", level},
       {kConstantNames[1], &Sea::k_d, kConstantUnits[1], "Derivative gain", level},
@@ -100,13 +100,13 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
   return std::sqrt(covariance(i, i));
 }
 
-bool by_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
+bool known_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
 
 void read_constants(TomlSection& s, Actuator& a) {
   const Range constant = Range::non_negative();
   for (const ActuatorConstant& c : optional_constants())
     a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
-  const bool gains = a.sea.k_t == 0;  // where K_t stands for them they may be absent
+  const bool gains = a.sea.k_t == 0;  // with K_t they may be absent
   a.sea.k_p = gains ? s.number("k_p", constant) : s.optional_number("k_p", constant).value_or(0);
   a.sea.k_d = gains ? s.number("k_d", constant) : s.optional_number("k_d", constant).value_or(0);
   a.sea.k_sea = s.number("k_sea", constant);
@@ -138,7 +138,7 @@ Actuator read_actuator(const std::string& path) {
 std::string to_toml(const Actuator& a, double half_width) {
   std::string t = fmt::format("[actuator]\nname = \"{}\"\n", toml_text(a.name));
   const auto u = constants(a.sea);
-  for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i)
+  for (int i = known_command(a.sea) ? 2 : 0; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm, of the spring\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s, of the motor\n", shortest(*a.speed_max));
@@ -153,8 +153,8 @@ std::string to_toml(const Actuator& a, double half_width) {
       for (std::size_t i = 0; i < a.uncertain.size(); ++i) t += (i ? ", " : "") + item(i);
       t += "]\n";
     };
-    const std::vector<int> places = constant_indices(a.uncertain);
-    const auto value = [&](std::size_t i) { return a.sea.*actuator_constants()[std::size_t(places[i])].at; };
+    const std::vector<int> indices = constant_indices(a.uncertain);
+    const auto value = [&](std::size_t i) { return a.sea.*actuator_constants()[std::size_t(indices[i])].at; };
     const auto error = [&](std::size_t i) { return std::sqrt(a.covariance(long(i), long(i))); };
     t += "\n[uncertainty]\n";
     list("order", [&](std::size_t i) { return "\"" + a.uncertain[i] + "\""; });

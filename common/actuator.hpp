@@ -19,7 +19,7 @@ inline constexpr std::array kConstantNames = {"k_p", "k_d", "k_sea", "c_sea", "i
 inline constexpr std::array kConstantUnits = {"Nm/rad", "Nm/(rad/s)", "Nm/rad", "Nm/(rad/s)", "kg m^2"};
 inline constexpr int kConstants = int(kConstantNames.size());
 static_assert(kConstantUnits.size() == kConstants);
-/// The actuator's constants as a vector and back; the other fields of `sea` stay.
+/// The five constants as a vector; `set_constants` leaves the other fields of `sea` unchanged.
 template <class T>
 std::array<T, kConstants> constants(const SeaParameters<T>& sea) {
   return std::array{sea.k_p, sea.k_d, sea.k_sea, sea.c_sea, sea.i_motor};
@@ -29,7 +29,7 @@ void set_constants(SeaParameters<T>& sea, const Vector& u) {
   sea.k_p = u[0], sea.k_d = u[1], sea.k_sea = u[2], sea.c_sea = u[3], sea.i_motor = u[4];
 }
 
-/// How many constants an actuator has: those five, tau_max, then the optional ones. `feedback` takes the room of one.
+/// Number of an actuator's constants: those five, tau_max, the optional ones. sizeof counts `feedback` as one more.
 inline constexpr int kActuatorConstants = int(sizeof(SeaParameters<double>) / sizeof(double)) - 1;
 
 struct Actuator {
@@ -38,7 +38,7 @@ struct Actuator {
   std::optional<double> speed_max;         ///< rated motor speed at the output [rad/s]; a rating, not a term
   std::optional<double> motor_torque_max;  ///< rated motor torque at the output [Nm]; sea.tau_max limits the spring
   std::vector<std::string> uncertain;      ///< [uncertainty] order: the constants that were fitted
-  DenseMatrix covariance;                  ///< of those, in their order
+  DenseMatrix covariance;                  ///< of `uncertain`, in that order, SI
   /// [verdict]: how far the fit that found a constant may be relied on, in the order of kConstantNames; empty where the
   /// file says nothing.
   Verdicts verdicts;

@@ -13,8 +13,8 @@
 namespace ukemi {
 
 /// Largest value of control_delay and velocity_filter [s].
-inline constexpr double kMostLate = 0.1;
-Range lateness();
+inline constexpr double kMaxDelay = 0.1;
+Range delay_range();
 
 /// A constant of [actuator].
 struct ActuatorConstant {
@@ -23,19 +23,19 @@ struct ActuatorConstant {
   const char* unit;
   const char* meaning;
   Range range;
-  double absent = 0;  ///< its value in a file without it; of the five no meaning
+  double absent = 0;  ///< value where a file omits the key; not used for the five
 };
-/// All of them: the five, tau_max, then the optional ones.
+/// Every constant: the five of the fit, tau_max, then the optional ones.
 const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants();
-/// Those that a file needs only where they are not as in no file.
+/// The optional constants: a file may omit those that have their default.
 std::span<const ActuatorConstant> optional_constants();
-/// The keys of all: what an actuator's [uncertainty] may name.
+/// The keys of all constants: what an actuator's [uncertainty] may name.
 const std::vector<std::string>& uncertain_constants();
-/// The places of names in actuator_constants(). Throws InputError for another name.
+/// Indices of `names` in actuator_constants(). Throws InputError for another name.
 std::vector<int> constant_indices(const std::vector<std::string>& names);
 
 /// Whether its drive was identified by its command alone: K_t replaces K_p and K_d.
-bool by_command(const SeaParameters<double>& sea);
+bool known_command(const SeaParameters<double>& sea);
 
 /// Reads the constants and the ratings of a section, whose keys are those of [actuator] without its name.
 void read_constants(TomlSection& section, Actuator& actuator);

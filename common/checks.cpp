@@ -16,13 +16,13 @@ void check_range(std::string_view what, double value, const Range& range) {
 void check_finite(std::string_view what, double value) { check_range(what, value, Range::any()); }
 void check_positive(std::string_view what, double value) { check_range(what, value, Range::positive()); }
 void check_not_negative(std::string_view what, double value) { check_range(what, value, Range::non_negative()); }
-void check_count(std::string_view what, long value, long least, long most) {
-  if (value < least || value > most)
-    throw InputError(fmt::format("{}: {}: {} to {} are needed", what, value, least, most));
+void check_count(std::string_view what, long value, long lowest, long highest) {
+  if (value < lowest || value > highest)
+    throw InputError(fmt::format("{}: {}: {} to {} are needed", what, value, lowest, highest));
 }
 
-void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& whom) {
-  if (const auto [key, message] = fault_of(uncertainty, known, whom); !message.empty())
+void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& owner) {
+  if (const auto [key, message] = fault_of(uncertainty, known, owner); !message.empty())
     throw InputError(key + ": " + message);
 }
 

@@ -1,4 +1,4 @@
-// The ranges of the public structs' numbers, checked once where a library is entered.
+// The ranges of the public structs' numbers, checked once at the entry points of a library.
 #pragma once
 
 #include <string_view>
@@ -9,18 +9,18 @@
 
 namespace ukemi {
 
-/// Each throws InputError "WHAT: VALUE: RULE" unless the value is within the range; finite; above 0; at least 0.
-/// Nothing is allocated where it is.
+/// Each throws InputError "WHAT: VALUE: RULE" unless the value is within the range; finite; above 0; at least 0,
+/// respectively. Nothing is allocated where the check passes.
 void check_range(std::string_view what, double value, const Range& range);
 void check_finite(std::string_view what, double value);
 void check_positive(std::string_view what, double value);
 void check_not_negative(std::string_view what, double value);
-/// Throws also unless there are that many numbers.
-void check_count(std::string_view what, long value, long least, long most);
+/// Throws InputError unless lowest <= value <= highest.
+void check_count(std::string_view what, long value, long lowest, long highest);
 
-/// Throws InputError unless each name occurs once and is one of `known`, which are constants of `whom`, and the
+/// Throws InputError unless each name occurs once and is one of `known`, which are constants of `owner`, and the
 /// covariance is a symmetric matrix of their size, finite, without a variance below 0.
-void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& whom);
+void check(const Uncertainty& uncertainty, const std::vector<std::string>& known, const std::string& owner);
 
 /// Throws InputError for a constant outside its range; tau_max may be infinite. With an Actuator, for its ratings and
 /// its covariance too: whatever read_actuator refuses.

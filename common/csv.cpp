@@ -25,24 +25,24 @@ std::string_view trim(std::string_view s) {
 }
 
 char separator_of(std::string_view header) {
-  char best = ',';
+  char separator = ',';
   std::size_t count = 0;
   for (const char c : {',', ';', '\t'}) {
     std::size_t n = 0;
     for (const char x : header) n += x == c;
-    if (n > count) best = c, count = n;
+    if (n > count) separator = c, count = n;
   }
-  return best;
+  return separator;
 }
 
-/// Calls use(cell, byte column) for each cell of a line.
-template <class Use>
-void for_cells(std::string_view line, char separator, Use&& use) {
+/// Calls visit(cell, byte column) for each cell of a line.
+template <class Visit>
+void for_cells(std::string_view line, char separator, Visit&& visit) {
   std::size_t begin = 0;
   for (;;) {
     const std::size_t end = std::min(line.find(separator, begin), line.size());
     const std::string_view raw = line.substr(begin, end - begin), cell = trim(raw);
-    use(cell, long(cell.empty() ? begin : cell.data() - line.data()) + 1);
+    visit(cell, long(cell.empty() ? begin : cell.data() - line.data()) + 1);
     if (end == line.size()) return;
     begin = end + 1;
   }
@@ -66,10 +66,10 @@ double parse_number(std::string_view cell, const Location& where, const std::str
   return value;
 }
 
-/// Goes through the lines that are neither blank nor a comment.
+/// Iterates over the lines that are neither blank nor a comment.
 struct Lines {
   std::string_view text;
-  std::size_t begin = 0;  ///< of the next one; beyond size() once a line without a line break was met
+  std::size_t begin = 0;  ///< of the next line; size() + 1 after a last line without a line break
   long number = 0;
 
   bool next(std::string_view& line) {
@@ -84,7 +84,7 @@ struct Lines {
   }
 };
 
-/// Fills the names in; returns the separator.
+/// Reads the column names into `table`; returns the separator.
 char read_header(std::string_view line, long number, CsvTable& table) {
   const char separator = separator_of(line);
   table.header_line = number;
@@ -118,8 +118,8 @@ std::vector<std::pair<std::size_t, std::string>> CsvTable::near_misses(
     const std::function<bool(const std::string& name)>& read, const std::vector<std::string>& missing) const {
   std::vector<std::pair<std::size_t, std::string>> out;
   for (std::size_t c = 0; c < header.size(); ++c)
-    if (std::string near = read(header[c]) ? "" : hint(header[c], missing); !near.empty())
-      out.emplace_back(c, std::move(near));
+    if (std::string suggestion = read(header[c]) ? "" : hint(header[c], missing); !suggestion.empty())
+      out.emplace_back(c, std::move(suggestion));
   return out;
 }
 
@@ -185,10 +185,10 @@ CsvTable read_csv(const std::string& path, const std::function<bool(const std::s
   std::string_view line;
   if (!lines.next(line)) throw InputError({path}, "the file is empty: a header line with column names is needed");
   const char separator = read_header(line, lines.number, table);
-  std::vector<bool> text_wanted, use;
+  std::vector<bool> as_text, as_number;
   for (const std::string& name : table.header) {
-    text_wanted.push_back(std::find(texts.begin(), texts.end(), name) != texts.end());
-    use.push_back(!text_wanted.back() && wanted(name));
+    as_text.push_back(std::find(texts.begin(), texts.end(), name) != texts.end());
+    as_number.push_back(!as_text.back() && wanted(name));
   }
   table.columns.resize(table.header.size());
   table.texts.resize(table.header.size());
@@ -200,14 +200,14 @@ CsvTable read_csv(const std::string& path, const std::function<bool(const std::s
       if (c >= table.header.size())
         throw InputError({path, number, column}, fmt::format("{}: more cells than the header's {} columns",
                                                              quoted(std::string(cell)), table.header.size()));
-      if (use[c]) {
+      if (as_number[c]) {
         const bool empty = cell.empty() || (nan == NanCells::kAsEmpty && is_nan(cell));
         table.columns[c].push_back(empty ? std::numeric_limits<double>::quiet_NaN()
                                          : parse_number(cell, {path, number, column}, table.header[c]));
-      } else if (text_wanted[c]) {
+      } else if (as_text[c]) {
         table.texts[c].emplace_back(cell);
       }
-      if (use[c] || text_wanted[c]) table.column_of[c].push_back(column);
+      if (as_number[c] || as_text[c]) table.column_of[c].push_back(column);
       ++c;
     });
     if (c != table.header.size())

@@ -11,7 +11,7 @@
 
 namespace ukemi {
 
-/// Between two samples of a log: a longer gap is another log, or a clock that was set [s].
+/// Longest interval between two samples of a log [s]: beyond it another log begins, or the clock was set.
 inline constexpr double kLongestGap = 1e5;
 
 /// A time that cannot follow those before it.
@@ -24,7 +24,7 @@ std::optional<TimeFault> time_fault(const std::vector<double>& t);
 /// Throws InputError "WHAT[i]: value: rule" where there is one, or fewer than two times.
 void require_times(const std::string& what, const std::vector<double>& t);
 
-/// A column's cells as numbers, with the place of each. An empty cell is NaN and `empty` there.
+/// The columns of a file as numbers, with the location of each cell. An empty cell is NaN.
 struct CsvTable {
   std::string file;
   std::vector<std::string> header;              ///< column names, trimmed
@@ -63,7 +63,7 @@ enum class NanCells { kRefused, kAsEmpty };
 CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted,
                   NanCells nan = NanCells::kRefused, const std::vector<std::string>& texts = {});
 CsvTable read_csv(const std::string& path);  ///< every column
-/// The names in the header, of which no more is read than it takes; none in a file without one. Throws as read_csv.
+/// The column names, read without the rest of the file; empty where it has no header. Throws as read_csv.
 std::vector<std::string> csv_header(const std::string& path);
 
 /// Builds a CSV text: comment lines, header, rows. Numbers are the shortest that read back exactly; NaN is an empty

@@ -11,18 +11,18 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix) {
 }
 
 struct LeastNorm::Decomposition {
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> of;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
 };
 
 LeastNorm::LeastNorm(const Eigen::MatrixXd& a, std::optional<double> threshold) {
   auto d = std::make_shared<Decomposition>();
-  if (threshold) d->of.setThreshold(*threshold);
-  d->of.compute(a);
+  if (threshold) d->solver.setThreshold(*threshold);
+  d->solver.compute(a);
   decomposition_ = std::move(d);
 }
 
-Eigen::MatrixXd LeastNorm::solve(const Eigen::MatrixXd& b) const { return decomposition_->of.solve(b); }
-Eigen::MatrixXd LeastNorm::pseudo_inverse() const { return decomposition_->of.pseudoInverse(); }
-long LeastNorm::rank() const { return decomposition_->of.rank(); }
+Eigen::MatrixXd LeastNorm::solve(const Eigen::MatrixXd& b) const { return decomposition_->solver.solve(b); }
+Eigen::MatrixXd LeastNorm::pseudo_inverse() const { return decomposition_->solver.pseudoInverse(); }
+long LeastNorm::rank() const { return decomposition_->solver.rank(); }
 
 }  // namespace ukemi

@@ -8,15 +8,14 @@
 namespace ukemi {
 
 struct SymmetricEigen {
-  Eigen::VectorXd values;   ///< rising
-  Eigen::MatrixXd vectors;  ///< of unit length, a column each; of one dimension or more
+  Eigen::VectorXd values;   ///< in increasing order
+  Eigen::MatrixXd vectors;  ///< one a column, of unit length; at least one
 };
 
 /// Eigenvalues and vectors of a symmetric matrix, of which the lower triangle is read.
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& matrix);
 
-/// The x of least norm among those that bring A x nearest to b, whatever the rank of A (complete orthogonal
-/// decomposition).
+/// Minimum-norm least-squares solution of A x = b for A of any rank, by a complete orthogonal decomposition.
 class LeastNorm {
  public:
   /// A pivot below `threshold` times the largest counts as zero; absent: below rounding.

@@ -7,8 +7,8 @@ namespace ukemi {
 
 namespace {
 
-/// dy/dt = A y of y = [phi dphi] of all joints, then of each that is elastic [phi_m dphi_m], and DriveLag's states
-/// where it is late.
+/// dy/dt = A y with y = [phi dphi] of all joints, then [phi_m dphi_m] of each elastic joint, followed by the states of
+/// DriveLag where its drive is late.
 class LinearField {
  public:
   LinearField(std::span<const LinearJoint> joints, const Eigen::MatrixXd& compliance)
@@ -16,7 +16,7 @@ class LinearField {
     const int n = int(joints.size());
     size_ = 2 * n;
     for (int i = 0; i < n; ++i) {
-      motor_.push_back(size_);
+      motor_offset_.push_back(size_);
       if (joint(i).elastic) size_ += kMotor + (is_late(*joint(i).elastic) ? kLags : 0);
     }
   }
@@ -25,15 +25,15 @@ class LinearField {
     for (int k = 0; k < size_; ++k) out.col(k) = derivative(Eigen::VectorXd::Unit(size_, k));
     return out;
   }
-  /// Whose rates are the largest in a direction y.
-  int moving_most(const Eigen::VectorXcd& y) const {
+  /// The joint with the largest rates in an eigenvector y.
+  int fastest_joint(const Eigen::VectorXcd& y) const {
     const int n = int(joints_.size());
-    int most = 0;
+    int fastest = 0;
     double largest = -1;
     for (int i = 0; i < n; ++i)
-      for (const int k : {n + i, joint(i).elastic ? motor_[std::size_t(i)] + 1 : n + i})
-        if (const double rate = std::abs(y[k]); rate > largest) largest = rate, most = i;
-    return most;
+      for (const int k : {n + i, joint(i).elastic ? motor_offset_[std::size_t(i)] + 1 : n + i})
+        if (const double rate = std::abs(y[k]); rate > largest) largest = rate, fastest = i;
+    return fastest;
   }
 
  private:
@@ -47,32 +47,32 @@ class LinearField {
     for (int i = 0; i < n; ++i) {
       const LinearJoint& j = joint(i);
       torque[i] = -j.stiffness * y[i] - j.damping * y[n + i];
-      if (j.elastic) torque[i] += elastic_torque(*j.elastic, y[i], y[n + i], y, motor_[std::size_t(i)], out);
+      if (j.elastic) torque[i] += elastic_torque(*j.elastic, y[i], y[n + i], y, motor_offset_[std::size_t(i)], out);
     }
     out.head(n) = y.segment(n, n), out.segment(n, n) = compliance_ * torque;
     return out;
   }
-  /// On the joint [Nm]; the motor's rates go to `out` from `at` on.
+  /// Torque on the joint [Nm]; the derivatives of the motor's states go to `out` from `offset` on.
   static double elastic_torque(const SeaParameters<double>& sea, double phi, double dphi, const Eigen::VectorXd& y,
-                               int at, Eigen::VectorXd& out) {
-    const SeaState<double> s{phi, y[at], dphi, y[at + 1]};
+                               int offset, Eigen::VectorXd& out) {
+    const SeaState<double> s{phi, y[offset], dphi, y[offset + 1]};
     const double tau = spring_torque<kTerms>(sea, s);
-    double driving = 0;
+    double drive_torque = 0;
     if (is_late(sea)) {
       const DriveLag<double> lag(sea);
-      const DriveLag<double>::State x = y.segment<kLags>(at + kMotor);
-      const double asked = motor_torque<kTerms>(sea, lag.seen(s, x), {0, 0});
-      driving = lag.torque(asked, x), out.segment<kLags>(at + kMotor) = lag.derivative(asked, s, x);
+      const DriveLag<double>::State x = y.segment<kLags>(offset + kMotor);
+      const double demand = motor_torque<kTerms>(sea, lag.filtered(s, x), {0, 0});
+      drive_torque = lag.torque(demand, x), out.segment<kLags>(offset + kMotor) = lag.derivative(demand, s, x);
     } else {
-      driving = motor_torque<kTerms>(sea, s, {0, 0});
+      drive_torque = motor_torque<kTerms>(sea, s, {0, 0});
     }
-    out[at] = s.dphi_m, out[at + 1] = torque_on_motor<kTerms>(sea, s.dphi_m, driving, tau) / sea.i_motor;
+    out[offset] = s.dphi_m, out[offset + 1] = torque_on_motor<kTerms>(sea, s.dphi_m, drive_torque, tau) / sea.i_motor;
     return output_torque<kTerms>(sea, dphi, tau);
   }
 
   std::span<const LinearJoint> joints_;
   Eigen::MatrixXd compliance_;
-  std::vector<int> motor_;  ///< where each joint's begins
+  std::vector<int> motor_offset_;  ///< index in y of each joint's motor states
   int size_;
 };
 
@@ -80,19 +80,19 @@ class LinearField {
 
 Growth growth(std::span<const LinearJoint> joints, const Eigen::MatrixXd& compliance) {
   std::vector<SeaParameters<double>> linear(joints.size());
-  std::vector<LinearJoint> of(joints.begin(), joints.end());
+  std::vector<LinearJoint> linearized(joints.begin(), joints.end());
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (!of[i].elastic) continue;
-    linear[i] = *of[i].elastic, of[i].elastic = &linear[i];
+    if (!linearized[i].elastic) continue;
+    linear[i] = *linearized[i].elastic, linearized[i].elastic = &linear[i];
     linear[i].friction = linear[i].spring_loss = linear[i].output_friction = linear[i].k_sea_cubic = 0;
   }
-  const LinearField field(of, compliance);
+  const LinearField field(linearized, compliance);
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(field.matrix());
-  constexpr double kRounding = 1e-7;  // two eigenvalues at 0, of a drive without gains, come out as large as that
+  constexpr double kRounding = 1e-7;  // relative size of a computed double eigenvalue 0 (a drive without gains)
   Eigen::Index worst = 0;
   const double rate = solver.eigenvalues().real().maxCoeff(&worst);
   if (!(std::abs(rate) > kRounding * solver.eigenvalues().cwiseAbs().maxCoeff())) return {};
-  return {rate, field.moving_most(solver.eigenvectors().col(worst))};
+  return {rate, field.fastest_joint(solver.eigenvectors().col(worst))};
 }
 
 double growth_rate(const SeaParameters<double>& sea, double inertia) {

@@ -20,17 +20,17 @@ std::string Location::text() const {
 }
 
 namespace {
-/// Letters to change, leave out, put in, or swap with the next (optimal string alignment).
+/// Number of letters to substitute, delete, insert, or swap with the next (optimal string alignment distance).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1), before, two_before;
+  std::vector<std::size_t> row(b.size() + 1), previous, second_previous;
   std::iota(row.begin(), row.end(), 0);
   for (std::size_t i = 1; i <= a.size(); ++i) {
-    two_before = std::move(before), before = row;
+    second_previous = std::move(previous), previous = row;
     row[0] = i;
     for (std::size_t j = 1; j <= b.size(); ++j) {
-      row[j] = std::min({before[j - 1] + (a[i - 1] != b[j - 1]), before[j] + 1, row[j - 1] + 1});
+      row[j] = std::min({previous[j - 1] + (a[i - 1] != b[j - 1]), previous[j] + 1, row[j - 1] + 1});
       if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
-        row[j] = std::min(row[j], two_before[j - 2] + 1);
+        row[j] = std::min(row[j], second_previous[j - 2] + 1);
     }
   }
   return row[b.size()];

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-thread_local ReadWatch* watching = nullptr;
+thread_local ReadWatch* innermost = nullptr;
 
 void make_folder(const fs::path& folder) {
   std::error_code ec;
@@ -29,7 +29,7 @@ void make_folder(const fs::path& folder) {
   if (ec) throw InputError({folder.string()}, "the folder cannot be made: " + ec.message());
 }
 
-/// Looks at a text as it comes in.
+/// Checks a text block by block as it is read.
 class TextCheck {
  public:
   TextCheck(const std::string& path, std::size_t longest_line) : path_(path), longest_line_(longest_line) {}
@@ -57,20 +57,20 @@ class TextCheck {
 
 }  // namespace
 
-ReadWatch::ReadWatch(Use use) : use_(std::move(use)), outer_(watching) { watching = this; }
-ReadWatch::~ReadWatch() { watching = outer_; }
+ReadWatch::ReadWatch(Callback callback) : callback_(std::move(callback)), outer_(innermost) { innermost = this; }
+ReadWatch::~ReadWatch() { innermost = outer_; }
 
-/// A regular file that is open; nothing else is waited for.
+/// An open regular file; opening never blocks on a pipe or a device.
 class Reader {
  public:
   explicit Reader(const std::string& path) : path_(path) {
     file_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file_ < 0) fail(errno == ENOENT || errno == ENOTDIR ? "no such file" : reason());
     try {
-      if (::fstat(file_, &is_) != 0) fail(reason());
-      if (S_ISDIR(is_.st_mode)) fail("is a folder: a file is needed");
-      if (!S_ISREG(is_.st_mode)) fail("is a pipe or a device: a regular file is needed");
-      require_size(std::uint64_t(is_.st_size));
+      if (::fstat(file_, &stat_) != 0) fail(reason());
+      if (S_ISDIR(stat_.st_mode)) fail("is a folder: a file is needed");
+      if (!S_ISREG(stat_.st_mode)) fail("is a pipe or a device: a regular file is needed");
+      require_size(std::uint64_t(stat_.st_size));
     } catch (...) {
       ::close(file_);
       throw;
@@ -84,19 +84,19 @@ class Reader {
   template <class Check>
   std::string read(std::size_t at_most, Check&& check) {
     std::string bytes;
-    bytes.reserve(std::min(at_most, std::size_t(is_.st_size)));
+    bytes.reserve(std::min(at_most, std::size_t(stat_.st_size)));
     std::vector<char> block(1 << 18);
     while (bytes.size() < at_most) {
       const ssize_t n = ::read(file_, block.data(), std::min(block.size(), at_most - bytes.size()));
       if (n < 0 && errno == EINTR) continue;
       if (n < 0) fail(reason());
       if (n == 0) {
-        tell_watch(bytes);
+        notify_watch(bytes);
         break;
       }
       check(std::string_view(block.data(), std::size_t(n)));
       bytes.append(block.data(), std::size_t(n));
-      require_size(bytes.size());  // it may grow, or not know its size
+      require_size(bytes.size());  // it may grow, or stat gives no size (/proc)
     }
     return bytes;
   }
@@ -107,13 +107,13 @@ class Reader {
   void require_size(std::uint64_t size) const {
     if (size > kLargestFile) fail(fmt::format("{} bytes: a file of at most {} is read", size, kLargestFile));
   }
-  void tell_watch(const std::string& bytes) const {
-    if (watching) watching->use_({path_, is_.st_dev, is_.st_ino, checksum(bytes)});
+  void notify_watch(const std::string& bytes) const {
+    if (innermost) innermost->callback_({path_, stat_.st_dev, stat_.st_ino, checksum(bytes)});
   }
 
   const std::string& path_;
   int file_ = -1;
-  struct stat is_ {};
+  struct stat stat_ {};
 };
 
 std::string read_binary_file(const std::string& path, std::size_t at_most) {

@@ -10,11 +10,11 @@
 
 namespace ukemi {
 
-/// No file beyond this is read.
+/// Size of the largest file that is read [bytes].
 inline constexpr std::uint64_t kLargestFile = std::uint64_t(4) << 30;
 
 /// The bytes of a text file, its first `at_most`. Throws InputError as read_binary_file, on NUL or control bytes (with
-/// their line and column), and on a line longer than `longest_line` bytes; what is no text is not read to its end.
+/// their line and column), and on a line longer than `longest_line` bytes; reading stops at the first such fault.
 std::string read_text_file(const std::string& path, std::size_t longest_line = 1 << 20,
                            std::size_t at_most = std::string::npos);
 
@@ -22,26 +22,26 @@ std::string read_text_file(const std::string& path, std::size_t longest_line = 1
 /// device, and beyond kLargestFile.
 std::string read_binary_file(const std::string& path, std::size_t at_most = std::string::npos);
 
-/// Which file was read to its end, and what was in it.
+/// A file that was read to its end, with the checksum of its content.
 struct ReadFile {
   std::string path;
   dev_t device;
   ino_t inode;
-  std::string checksum;  ///< of the bytes that the reader got
+  std::string checksum;  ///< of the bytes read
 };
 
-/// While it lives, calls `use` for every file that this thread reads to its end. Of several the latest is called.
+/// While it lives, calls `callback` for every file that this thread reads to its end. Of several only the latest acts.
 class ReadWatch {
  public:
-  using Use = std::function<void(const ReadFile&)>;
-  explicit ReadWatch(Use use);
+  using Callback = std::function<void(const ReadFile&)>;
+  explicit ReadWatch(Callback callback);
   ~ReadWatch();
   ReadWatch(const ReadWatch&) = delete;
   ReadWatch& operator=(const ReadWatch&) = delete;
 
  private:
   friend class Reader;
-  Use use_;
+  Callback callback_;
   ReadWatch* outer_;
 };
 

@@ -12,14 +12,14 @@ namespace ukemi {
 /// c[0] + c[1] u + c[2] u^2 + c[3] u^3 [N], u [s].
 using Cubic = std::array<double, 4>;
 double value(const Cubic& c, double u);
-/// The same curve with u counted from `by` [s] on.
-Cubic moved(const Cubic& c, double by);
+/// The same curve with u counted from `du` [s] on.
+Cubic shifted(const Cubic& c, double du);
 
 /// The samples of a force. They must outlive its curve.
 struct ForceSamples {
   std::span<const double> t, force;   ///< [s], increasing; [N]
-  double rest = 0;                    ///< what is read between pulses [N]
-  std::optional<double> smooth = {};  ///< s below; none: linear, from sample to sample
+  double rest = 0;                    ///< reading between pulses [N]
+  std::optional<double> smooth = {};  ///< blending factor s below; none: linear between samples
 };
 
 /// F(t) as pieces on the force's own clock, from its first sample to its last; s blends
@@ -37,12 +37,12 @@ class ForceCurve {
   std::size_t pieces() const {
     return samples_.t.empty() ? 0 : blended_.empty() ? samples_.t.size() - 1 : blended_.size() - 1;
   }
-  /// Where piece k begins [s]; of k = pieces(): where the samples end. The same places for every s.
+  /// Start of piece k [s]; for k = pieces() the end of the last piece. The same for every s.
   double begin(std::size_t k) const { return blended_.empty() ? samples_.t[k] : blended_[k].t; }
-  /// Of piece k, u from its begin.
+  /// Cubic of piece k, u from its start.
   Cubic piece(std::size_t k) const { return blended_.empty() ? linear(k) : blended_[k].c; }
-  /// From t on, u from there, to the end of the piece that it lies in; before the first sample and from the last on the
-  /// force is theirs. One sample at least is needed.
+  /// Cubic at t, u from t, valid to the end of the piece that contains t; before the first sample and from the last on
+  /// the force is constant. Needs at least one sample.
   Cubic from(double t) const;
 
  private:
@@ -52,16 +52,16 @@ class ForceCurve {
   };
   Cubic rest() const { return {samples_.rest, 0, 0, 0}; }
   Cubic linear(std::size_t interval) const;
-  Cubic hermite(std::size_t interval, double from, double to) const;
-  std::vector<double> spline(std::size_t first, std::size_t last, bool hold_first, bool hold_last) const;
-  bool even(std::size_t first, std::size_t last) const;
+  Cubic hermite(std::size_t interval, double first_slope, double last_slope) const;
+  std::vector<double> spline(std::size_t first, std::size_t last, bool clamp_first, bool clamp_last) const;
+  bool evenly_sampled(std::size_t first, std::size_t last) const;
   void add(std::size_t interval, double t, const Cubic& smooth);
   void add_pulse(std::size_t first, std::size_t last);
-  void add_onset(std::size_t interval, const Cubic& end, double meets, bool before);
+  void add_onset(std::size_t interval, const Cubic& end, double crossing, bool before);
 
   ForceSamples samples_;
   std::vector<Piece> blended_;  ///< empty where the force is linear: nothing is stored then
-  bool rests_ = false;          ///< whether both curves do in the last piece
+  bool at_rest_ = false;        ///< whether both curves are, in the last piece
 };
 
 }  // namespace ukemi

@@ -16,11 +16,11 @@ namespace ukemi {
 
 namespace {
 
-constexpr std::size_t kChecksum = 16;  // digits of `checksum` behind each record
+constexpr std::size_t kChecksum = 16;  // digits of `checksum` after each record
 
 }  // namespace
 
-Journal::Journal(const std::string& path, std::string_view head, std::size_t record_size, const std::string& what)
+Journal::Journal(const std::string& path, std::string_view header, std::size_t record_size, const std::string& what)
     : path_(path) {
   std::error_code ec;
   if (const auto folder = std::filesystem::path(path).parent_path(); !folder.empty())
@@ -29,7 +29,7 @@ Journal::Journal(const std::string& path, std::string_view head, std::size_t rec
   if (file_ < 0) fail_to_write();
   try {
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) fail("another run is at work on it: another output folder is needed");
-    read(head, record_size, what);
+    read(header, record_size, what);
   } catch (...) {
     ::close(file_);
     throw;
@@ -41,25 +41,26 @@ Journal::~Journal() { ::close(file_); }
 void Journal::fail(const std::string& what) const { throw InputError({path_}, what); }
 void Journal::fail_to_write() const { fail(std::string("cannot be written: ") + std::strerror(errno)); }
 
-void Journal::read(std::string_view head, std::size_t record_size, const std::string& what) {
-  const std::string found = bytes();
-  std::size_t whole = 0;
-  if (found.size() >= head.size()) {
-    if (found.compare(0, head.size(), head) != 0)
+void Journal::read(std::string_view header, std::size_t record_size, const std::string& what) {
+  const std::string content = bytes();
+  std::size_t valid = 0;
+  if (content.size() >= header.size()) {
+    if (content.compare(0, header.size(), header) != 0)
       fail("begun for another " + what + ": another output folder, or its removal, is needed");
-    for (whole = head.size(); whole + record_size + kChecksum <= found.size(); whole += record_size + kChecksum) {
-      const std::string record = found.substr(whole, record_size);
-      if (found.compare(whole + record_size, kChecksum, checksum(record)) != 0) break;
+    for (valid = header.size(); valid + record_size + kChecksum <= content.size(); valid += record_size + kChecksum) {
+      const std::string record = content.substr(valid, record_size);
+      if (content.compare(valid + record_size, kChecksum, checksum(record)) != 0) break;
       records_.push_back(record);
     }
   }
-  if (::ftruncate(file_, off_t(whole)) != 0 || ::lseek(file_, off_t(whole), SEEK_SET) < 0) fail_to_write();
-  if (whole == 0 && ::write(file_, head.data(), head.size()) != ssize_t(head.size())) fail_to_write();
+  if (::ftruncate(file_, off_t(valid)) != 0 || ::lseek(file_, off_t(valid), SEEK_SET) < 0) fail_to_write();
+  errno = ENOSPC;  // reason of a short write
+  if (valid == 0 && ::write(file_, header.data(), header.size()) != ssize_t(header.size())) fail_to_write();
 }
 
 void Journal::add(std::string_view record) {
   const std::string text = std::string(record) + checksum(record);
-  errno = ENOSPC;  // of a write that is short
+  errno = ENOSPC;  // reason of a short write
   if (::write(file_, text.data(), text.size()) != ssize_t(text.size())) fail_to_write();
 }
 

@@ -15,17 +15,17 @@ double noise_level(const std::vector<double>& x) {
     d[i] = std::abs(x[i] - 4 * x[i + 1] + 6 * x[i + 2] - 4 * x[i + 3] + x[i + 4]);
   const double white =
       median(std::move(d)) / (0.6744897501960817 * std::sqrt(70.0));  // that of |normal|; 1 + 16 + 36 + 16 + 1 = 70
-  // A coarsely quantised log stands still most of the time: then its step, spread evenly, is the noise.
+  // Most samples of a coarsely quantised log repeat: the noise is then uniform within a step.
   double step = 0;
-  std::size_t still = 0;
+  std::size_t unchanged = 0;
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
     const double change = std::abs(x[i + 1] - x[i]);
     if (change < 1e-12)
-      ++still;
+      ++unchanged;
     else
       step = step == 0 ? change : std::min(step, change);
   }
-  return 2 * still > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
+  return 2 * unchanged > x.size() ? std::max(white, step / std::sqrt(12.0)) : white;
 }
 
 double largest_deviation(const std::vector<double>& x, double from) {

@@ -1,4 +1,4 @@
-// How noisy a column of a log is, and how far it goes.
+// Noise level and range of a column of a log.
 #pragma once
 
 #include <vector>
@@ -6,7 +6,7 @@
 namespace ukemi {
 
 /// Standard deviation of a column's measurement noise, from the median of its fourth differences [same unit]; the
-/// signal must be slow against the sampling. A log that mostly stands still is taken as quantised: its smallest step /
+/// signal must be slow against the sampling. A log that is mostly constant is taken as quantised: its smallest step /
 /// sqrt(12). 0 for fewer than nine values.
 double noise_level(const std::vector<double>& column);
 

@@ -96,20 +96,20 @@ struct Pack {
     v *= b.v;
     return *this;
   }
-  UKEMI_INLINE friend Mask<W> operator<(const Pack& a, const Pack& b) { return of(a.v < b.v); }
-  UKEMI_INLINE friend Mask<W> operator<=(const Pack& a, const Pack& b) { return of(a.v <= b.v); }
-  UKEMI_INLINE friend Mask<W> operator>(const Pack& a, const Pack& b) { return of(a.v > b.v); }
-  UKEMI_INLINE friend Mask<W> operator>=(const Pack& a, const Pack& b) { return of(a.v >= b.v); }
-  UKEMI_INLINE friend Mask<W> operator==(const Pack& a, const Pack& b) { return of(a.v == b.v); }
-  UKEMI_INLINE friend Mask<W> operator!=(const Pack& a, const Pack& b) { return of(a.v != b.v); }
+  UKEMI_INLINE friend Mask<W> operator<(const Pack& a, const Pack& b) { return to_mask(a.v < b.v); }
+  UKEMI_INLINE friend Mask<W> operator<=(const Pack& a, const Pack& b) { return to_mask(a.v <= b.v); }
+  UKEMI_INLINE friend Mask<W> operator>(const Pack& a, const Pack& b) { return to_mask(a.v > b.v); }
+  UKEMI_INLINE friend Mask<W> operator>=(const Pack& a, const Pack& b) { return to_mask(a.v >= b.v); }
+  UKEMI_INLINE friend Mask<W> operator==(const Pack& a, const Pack& b) { return to_mask(a.v == b.v); }
+  UKEMI_INLINE friend Mask<W> operator!=(const Pack& a, const Pack& b) { return to_mask(a.v != b.v); }
 
  private:
   template <class Compared>
-  UKEMI_INLINE static Mask<W> of(const Compared& c) {
+  UKEMI_INLINE static Mask<W> to_mask(const Compared& c) {
     using Truth = typename Mask<W>::Lanes;
     Mask<W> m;
-    // Eight truths that meet as integers GCC 12 takes apart, lane by lane (13 times the instructions); a choice it
-    // keeps whole.
+    // GCC 12 splits a comparison of eight lanes that is used as integers into scalars (13 times the instructions), but
+    // not a select.
     if constexpr (W > 4)
       m.v = (Truth)(c ? (Lanes)(Truth{} - 1) : Lanes{});
     else
@@ -130,13 +130,13 @@ template <int W>
 UKEMI_INLINE Mask<W> select(const Mask<W>& m, const Mask<W>& a, const Mask<W>& b) {
   return (m & a) | (!m & b);
 }
-/// m ? x : 0, by bits: of a choice within choices GCC 12 makes an internal error in 512 bits.
+/// m ? x : 0, by bits: nested selects of 512 bits are an internal error of GCC 12.
 template <int W>
 UKEMI_INLINE Pack<W> masked(const Mask<W>& m, const Pack<W>& x) {
   using I = typename Mask<W>::Lanes;
   return Pack<W>((typename Pack<W>::Lanes)((I)x.v & m.v));
 }
-/// The mask variable takes `value` where `where` is set.
+/// Sets the lanes of `mask` that are set in `where` to `value`.
 template <int W>
 UKEMI_INLINE void assign(Mask<W>& mask, const Mask<W>& where, const Mask<W>& value) {
   mask = select(where, value, mask);
@@ -184,7 +184,7 @@ UKEMI_INLINE void add_scaled(Pack<W>& y, const Pack<W>& w, const Pack<W>& x) {
   y += w * x;
 }
 
-/// x^(-1/10) for x > 0 to 2 parts in a thousand: what a step-size controller needs of the square of an error.
+/// x^(-1/10) for x > 0, relative error 2e-3: the step-size controller's root of a squared error.
 template <int W>
 UKEMI_INLINE Pack<W> inverse_tenth_root(const Pack<W>& x) {
   using I = typename Mask<W>::Lanes;
@@ -194,10 +194,10 @@ UKEMI_INLINE Pack<W> inverse_tenth_root(const Pack<W>& x) {
   const D exponent = (D)((I)((typename Mask<W>::Lanes)(bits >> 52) | (I)(D{} + kTwo52))) - (kTwo52 + 1023);
   const D m = (D)((bits & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000);  // 1..2
   const D log2 = exponent + (((-0.0821343 * m + 0.6491843) * m - 2.1344986) * m + 4.0700906) * m - 2.5026420;
-  const D power = log2 * -0.1, shifted = power + 0x1.8p52, whole = shifted - 0x1.8p52, part = power - whole;
-  const D two_to_part = 1 + part * (0.6931472 + part * (0.2402265 + part * 0.0558));
+  const D power = log2 * -0.1, shifted = power + 0x1.8p52, whole = shifted - 0x1.8p52, fraction = power - whole;
+  const D two_to_fraction = 1 + fraction * (0.6931472 + fraction * (0.2402265 + fraction * 0.0558));
   const I scale = ((I)shifted << 52) + (I)(D{} + 1.0);
-  return Pack<W>(D(two_to_part * (D)scale));
+  return Pack<W>(D(two_to_fraction * (D)scale));
 }
 
 template <int W>
@@ -207,12 +207,12 @@ struct MaskOf<Pack<W>> {
   using type = Mask<W>;
 };
 
-/// Both angles at once, each lane.
+/// Sine and cosine of both angles in every lane.
 template <int W>
 UKEMI_INLINE std::array<SinCos<Pack<W>>, 2> sin_cos(const Pack<W>& x0, const Pack<W>& x1) {
   using D = typename Pack<W>::Lanes;
   using I = typename Mask<W>::Lanes;
-  const auto one = [](const Pack<W>& x) UKEMI_INLINE_LAMBDA {
+  const auto sin_cos_of = [](const Pack<W>& x) UKEMI_INLINE_LAMBDA {
     SinCos<Pack<W>> out;
     detail::sin_cos_reduced<D, I>(x.v, out.sin.v, out.cos.v);
     const Mask<W> large = abs(x) >= Pack<W>(kReducible);
@@ -224,7 +224,7 @@ UKEMI_INLINE std::array<SinCos<Pack<W>>, 2> sin_cos(const Pack<W>& x0, const Pac
         }
     return out;
   };
-  return {one(x0), one(x1)};
+  return {sin_cos_of(x0), sin_cos_of(x1)};
 }
 
 }  // namespace ukemi

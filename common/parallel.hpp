@@ -15,8 +15,8 @@ inline int thread_count(int threads) {
   return threads > 0 ? threads : std::max(1, int(std::thread::hardware_concurrency()));
 }
 
-/// Calls f(i) once for each i in [0, n), on up to `threads` threads: where no more can be started, those that run do
-/// the work. The first exception is rethrown when all have stopped.
+/// Calls f(i) once for each i in [0, n), on up to `threads` threads, or on as many as can be started.
+/// The first exception is rethrown when all have stopped.
 template <class F>
 void parallel_for(int n, int threads, F&& f) {
   threads = std::min(thread_count(threads), n);
@@ -40,7 +40,7 @@ void parallel_for(int n, int threads, F&& f) {
   try {
     pool.reserve(std::size_t(threads - 1));
     for (int t = 1; t < threads; ++t) pool.emplace_back(work);
-  } catch (const std::exception&) {  // no room for one more, or the system allows none
+  } catch (const std::exception&) {  // no memory or no further thread: the others do the work
   }
   work();
   for (std::thread& t : pool) t.join();

@@ -20,7 +20,7 @@ class Random {
   /// Uniform in [0, 1).
   double uniform() { return double(bits() >> 11) * 0x1.0p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
-  /// Log-uniform within a factor either way.
+  /// Log-uniform in [1 / spread, spread].
   double factor(double spread) { return std::exp(std::log(spread) * uniform(-1, 1)); }
   /// Standard normal (Box-Muller).
   double normal() {

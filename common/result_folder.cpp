@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kCommit = ".ukemi-commit";
-constexpr const char* kGone = ".gone";  ///< in it: the names whose earlier files are removed, a line each
+constexpr const char* kRemovedList = ".gone";  ///< in kCommit: names of the earlier files to remove, one a line
 
 /// '#' in a pattern stands for one digit or more.
 bool matches(std::string_view pattern, std::string_view name) {
@@ -49,20 +49,20 @@ bool same_file(const struct stat& a, const struct stat& b) { return a.st_dev == 
   throw InputError({path.string()}, std::string("cannot be written: ") + std::strerror(code));
 }
 
-/// The new set of `folder` takes its place; also what a kill left of that.
+/// Moves the new set of `folder` into place; also finishes an exchange that was killed.
 void finish_commit(const fs::path& folder) {
   const fs::path commit = folder / kCommit;
   std::error_code ec;
   if (!fs::is_directory(commit, ec)) return;
   if (fs::exists(commit / kSummaryFile, ec)) fs::remove(folder / kSummaryFile, ec);
-  std::ifstream gone(commit / kGone);
-  for (std::string name; std::getline(gone, name);)
+  std::ifstream removed(commit / kRemovedList);
+  for (std::string name; std::getline(removed, name);)
     if (name.find('/') == std::string::npos) fs::remove(folder / name, ec);
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(commit, ec)) names.push_back(entry.path().filename().string());
   std::stable_partition(names.begin(), names.end(), [](const std::string& n) { return n != kSummaryFile; });
   for (const std::string& name : names) {
-    if (name == kGone) continue;
+    if (name == kRemovedList) continue;
     fs::rename(commit / name, folder / name, ec);
     const bool done = !ec || ec == std::errc::no_such_file_or_directory;  // by another process
     if (!done) throw InputError({(folder / name).string()}, "cannot be written: " + ec.message());
@@ -70,24 +70,25 @@ void finish_commit(const fs::path& folder) {
   fs::remove_all(commit, ec);
 }
 
-/// A folder for this process alone, where the files of `target` are written first; what a killed process left in it is
-/// gone, and in the end whatever has its name then is removed.
-class Aside {
+/// A folder locked by this process, where the files of `target` are written first. Emptied at the start; removed in the
+/// end, if it has not been moved away.
+class StagingFolder {
  public:
-  Aside(fs::path path, fs::path target) : path_(std::move(path)), target_(std::move(target)) {
+  StagingFolder(fs::path path, fs::path target) : path_(std::move(path)), target_(std::move(target)) {
     while (!claim()) continue;
   }
-  ~Aside() {
+  ~StagingFolder() {
     std::error_code ec;
     fs::remove_all(path_, ec);
     ::close(lock_);
   }
-  Aside(const Aside&) = delete;
-  Aside& operator=(const Aside&) = delete;
+  StagingFolder(const StagingFolder&) = delete;
+  StagingFolder& operator=(const StagingFolder&) = delete;
 
   void write(const std::string& name, const std::string& content) const {
     std::FILE* out = std::fopen((path_ / name).c_str(), "wbx");
     if (!out) fail(target_ / name, errno);
+    errno = ENOSPC;  // reason of a short write
     const bool written = std::fwrite(content.data(), 1, content.size(), out) == content.size();
     const int code = errno;
     const bool closed = std::fclose(out) == 0;
@@ -96,17 +97,17 @@ class Aside {
   const fs::path& path() const { return path_; }
 
  private:
-  /// Makes it, or takes it over from a process that has ended; false where another was quicker.
+  /// Makes and locks the folder, or takes it over from a process that has ended; false where another has replaced it.
   bool claim() {
     if (::mkdir(path_.c_str(), 0777) != 0 && errno != EEXIST) fail(target_, errno);
     lock_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     if (lock_ < 0 && errno == ENOENT) return false;
     if (lock_ < 0) fail(target_, errno);
-    while (::flock(lock_, LOCK_EX) != 0 && errno == EINTR) continue;  // one that lives ends soon
+    while (::flock(lock_, LOCK_EX) != 0 && errno == EINTR) continue;  // a living owner ends soon
     struct stat mine {};
     ::fstat(lock_, &mine);
-    const auto there = stat_of(path_);
-    if (!there || !same_file(*there, mine)) {
+    const auto entry_stat = stat_of(path_);
+    if (!entry_stat || !same_file(*entry_stat, mine)) {
       ::close(lock_);
       return false;
     }
@@ -119,16 +120,16 @@ class Aside {
   int lock_ = -1;
 };
 
-/// The path with every link followed, and no '/' at its end.
+/// The absolute path with symbolic links resolved and no trailing '/'.
 fs::path resolved(const std::string& path) {
   std::error_code ec;
   const fs::path p = fs::weakly_canonical(fs::absolute(path), ec);
   return p.has_filename() ? p : p.parent_path();
 }
 
-/// Where the new set of an absolute, resolved `folder` is written: beside it, on the same file system; inside of it
-/// where that cannot be.
-fs::path place_aside(const fs::path& folder) {
+/// Where the new set of an absolute, resolved `folder` is written: beside it, if on the same file system and writable;
+/// else inside of it.
+fs::path staging_path(const fs::path& folder) {
   const auto inside = stat_of(folder), beside = stat_of(folder.parent_path());
   const bool mounted = inside && beside && inside->st_dev != beside->st_dev;
   if (!folder.has_filename() || mounted || ::faccessat(AT_FDCWD, folder.parent_path().c_str(), W_OK, AT_EACCESS) != 0)
@@ -136,14 +137,14 @@ fs::path place_aside(const fs::path& folder) {
   return folder.parent_path() / ("." + folder.filename().string() + ".ukemi-part");
 }
 
-/// Gives `made` the owner and the rights of `folder`; false where it cannot, or where there are more than these.
-bool take_rights(const fs::path& made, const fs::path& folder) {
-  const auto is = stat_of(folder);
-  if (!is || ::getxattr(folder.c_str(), "system.posix_acl_access", nullptr, 0) > 0) return false;
-  const auto has = stat_of(made);
-  const bool owner = has && has->st_uid == is->st_uid && has->st_gid == is->st_gid;
-  if (!owner && ::chown(made.c_str(), is->st_uid, is->st_gid) != 0) return false;
-  return ::chmod(made.c_str(), is->st_mode & 07777) == 0;
+/// Gives `made` the owner and the permissions of `folder`; false where that fails, or `folder` has an ACL.
+bool copy_permissions(const fs::path& made, const fs::path& folder) {
+  const auto target = stat_of(folder);
+  if (!target || ::getxattr(folder.c_str(), "system.posix_acl_access", nullptr, 0) > 0) return false;
+  const auto current = stat_of(made);
+  const bool owner = current && current->st_uid == target->st_uid && current->st_gid == target->st_gid;
+  if (!owner && ::chown(made.c_str(), target->st_uid, target->st_gid) != 0) return false;
+  return ::chmod(made.c_str(), target->st_mode & 07777) == 0;
 }
 
 }  // namespace
@@ -153,7 +154,7 @@ ResultFolder::ResultFolder(std::string path, std::vector<std::string> names)
   names_.push_back(kSummaryFile);
   require_writable_folder(path_);
   finish_commit(path_);
-  for (const std::string& name : found())
+  for (const std::string& name : existing())
     if (fs::is_directory(fs::path(path_) / name))
       throw InputError({(fs::path(path_) / name).string()}, "is a folder: the results need this name for a file");
 }
@@ -162,7 +163,7 @@ bool ResultFolder::owns(const std::string& name) const {
   return std::any_of(names_.begin(), names_.end(), [&](const std::string& pattern) { return matches(pattern, name); });
 }
 
-std::vector<std::string> ResultFolder::found() const {
+std::vector<std::string> ResultFolder::existing() const {
   std::vector<std::string> out;
   std::error_code ec;
   for (const auto& entry : fs::directory_iterator(path_, ec))
@@ -177,21 +178,21 @@ bool ResultFolder::holds_results_only(const std::string& folder) const {
   return !ec;
 }
 
-bool ResultFolder::exchange(const std::string& aside, const std::string& folder) const {
+bool ResultFolder::exchange(const std::string& staging, const std::string& folder) const {
   const auto here = stat_of("."), target = stat_of(folder);
   const bool started_here = here && target && same_file(*here, *target);
-  if (started_here || !holds_results_only(folder) || !take_rights(aside, folder)) return false;
+  if (started_here || !holds_results_only(folder) || !copy_permissions(staging, folder)) return false;
   const auto swap = [&] {
-    return ::renameat2(AT_FDCWD, aside.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0;
+    return ::renameat2(AT_FDCWD, staging.c_str(), AT_FDCWD, folder.c_str(), RENAME_EXCHANGE) == 0;
   };
   if (!swap()) return false;
-  return holds_results_only(aside) || !swap();  // back, where another file has come in meanwhile
+  return holds_results_only(staging) || !swap();  // undone where another file has appeared meanwhile
 }
 
 void ResultFolder::refuse_as_input(const ReadFile& file) const {
-  for (const std::string& name : found()) {
-    const auto there = stat_of(fs::path(path_) / name);
-    if (there && there->st_dev == file.device && there->st_ino == file.inode)
+  for (const std::string& name : existing()) {
+    const auto entry_stat = stat_of(fs::path(path_) / name);
+    if (entry_stat && entry_stat->st_dev == file.device && entry_stat->st_ino == file.inode)
       throw InputError({file.path}, "this run would write over it, as " + (fs::path(path_) / name).string() +
                                         ": another output folder is needed");
   }
@@ -205,21 +206,21 @@ void ResultFolder::withdraw_summary() const {
 void ResultFolder::replace(const std::map<std::string, std::string>& files) const {
   std::error_code ec;
   const fs::path folder = resolved(path_);
-  const bool there = fs::exists(folder, ec);
+  const bool exists = fs::exists(folder, ec);
   fs::create_directories(folder.parent_path(), ec);
-  const Aside aside(place_aside(folder), path_);
-  for (const auto& [name, content] : files) aside.write(name, content);
+  const StagingFolder staging(staging_path(folder), path_);
+  for (const auto& [name, content] : files) staging.write(name, content);
 
-  if (aside.path().parent_path() == folder.parent_path()) {
-    if (!there && ::rename(aside.path().c_str(), folder.c_str()) == 0) return;
-    if (exchange(aside.path().string(), folder.string())) return;
+  if (staging.path().parent_path() == folder.parent_path()) {
+    if (!exists && ::rename(staging.path().c_str(), folder.c_str()) == 0) return;
+    if (exchange(staging.path().string(), folder.string())) return;
   }
-  std::string gone;
-  for (const std::string& name : found())
-    if (!files.count(name)) gone += name + "\n";
-  aside.write(kGone, gone);
+  std::string removed;
+  for (const std::string& name : existing())
+    if (!files.count(name)) removed += name + "\n";
+  staging.write(kRemovedList, removed);
   finish_commit(folder);
-  if (::rename(aside.path().c_str(), (folder / kCommit).c_str()) != 0) fail(folder, errno);
+  if (::rename(staging.path().c_str(), (folder / kCommit).c_str()) != 0) fail(folder, errno);
   finish_commit(folder);
 }
 

@@ -9,7 +9,7 @@
 
 namespace ukemi {
 
-/// The last file of a set to take its place: where it exists, the set is whole.
+/// The file of a set that is put in place last: where it exists, the set is complete.
 inline constexpr const char* kSummaryFile = "summary.json";
 
 /// The files of one run, exchanged as one. A kill at any moment leaves the earlier set or the new one whole.
@@ -24,12 +24,12 @@ class ResultFolder {
   /// Throws InputError where the folder cannot be made or written in, or a folder has one of the names.
   ResultFolder(std::string path, std::vector<std::string> names);
 
-  /// Throws InputError where the file is one of those that would go, by whatever name it was read.
+  /// Throws InputError where `replace` would overwrite or remove the file, under whatever name it was read.
   void refuse_as_input(const ReadFile& file) const;
-  /// From now on the folder has no summary: what it holds besides is about to change.
+  /// Removes the summary, before the other files change.
   void withdraw_summary() const;
-  /// Puts these files, a summary among them, in the place of every earlier one under the names. Throws InputError with
-  /// the system's reason, the earlier files untouched.
+  /// Replaces all earlier files under the names by these, which include a summary. Throws InputError with the system's
+  /// reason and leaves the earlier files untouched.
   void replace(const std::map<std::string, std::string>& files) const;
 
   const std::string& path() const { return path_; }
@@ -37,10 +37,10 @@ class ResultFolder {
   bool owns(const std::string& name) const;
 
  private:
-  std::vector<std::string> found() const;  ///< the names that exist in the folder
+  std::vector<std::string> existing() const;  ///< the names that exist in the folder
   bool holds_results_only(const std::string& folder) const;
-  /// In one step, the rights of `folder` kept; false where that cannot be or must not, and nothing is changed.
-  bool exchange(const std::string& aside, const std::string& folder) const;
+  /// Swaps the two atomically, keeping the permissions of `folder`; false, and no change, where that is not possible.
+  bool exchange(const std::string& staging, const std::string& folder) const;
 
   std::string path_;
   std::vector<std::string> names_;

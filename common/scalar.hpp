@@ -1,5 +1,5 @@
 // What `double`, `Pack` and the dual numbers `ceres::Jet` share, so that an equation is written once for all of them.
-// What differentiates includes common/jet.hpp.
+// Code that differentiates includes common/jet.hpp.
 //
 // Kernels never branch on a Scalar: they use select(mask, a, b), and both a and b must be finite.
 // Mode decisions are booleans that the drivers fix between events; any(mask) lets a kernel skip work that no lane
@@ -10,8 +10,7 @@
 #include <concepts>
 #include <type_traits>
 
-/// For the innermost functions of a kernel: left to itself the compiler calls them, and their arguments go through
-/// memory.
+/// For the innermost functions of a kernel: not inlined, their arguments would go through memory.
 #define UKEMI_INLINE [[gnu::always_inline]] inline
 #define UKEMI_INLINE_LAMBDA __attribute__((always_inline))
 /// For a stage of a kernel: all that it calls is inlined. Not in a build for debugging or with a sanitizer, where that
@@ -57,14 +56,14 @@ T masked(bool mask, const T& x) {
 /// True where any lane of the mask is set; a plain bool has one lane.
 inline bool any(bool mask) { return mask; }
 
-/// True for the packs of pack.hpp, whose lanes are computations of their own; and the mask of any scalar.
+/// True for the packs of pack.hpp, whose lanes are independent; MaskOf: the mask type of a scalar.
 template <class T>
 inline constexpr bool kIsPack = false;
 template <class T>
 struct MaskOf {
   using type = bool;
 };
-/// What times and step lengths are for a scalar: one for all its derivatives, one a lane.
+/// Type of times and step lengths: one double for a scalar with its derivatives, one per lane of a pack.
 template <class T>
 using TimeOf = std::conditional_t<kIsPack<T>, T, double>;
 
@@ -89,7 +88,7 @@ double derivative_of(const T& x, int slot) {
   return x.v[slot];
 }
 
-/// Whether a term is there; a constant at 0 that is differentiated by is.
+/// Whether a term is active: its constant is not 0, or derivatives by it are needed.
 template <class T>
 auto present(const T& x) {
   return x != T(0);
@@ -107,7 +106,7 @@ UKEMI_INLINE void add_scaled(T& y, double w, const T& x) {
   for (int i = 0; i < kDerivatives<T>; ++i) y.v[i] += w * x.v[i];
 }
 
-/// y += a b, likewise.
+/// y += a b, without temporaries.
 UKEMI_INLINE void add_product(double& y, double a, double b) { y += a * b; }
 template <DualNumber T>
 UKEMI_INLINE void add_product(T& y, const T& a, const T& b) {

@@ -2,7 +2,7 @@
 //
 // [1] Altangerel, Tsujita, Sekine, Abiko, "Generation of Shock Absorbing Motion of a One-Legged Robot with a Flexible
 //     Joint", Sec. 2.3. The optional terms (stiffening spring, dry and viscous friction on either side,
-//     motor-side feedback, a controller whose command is known, a drive that is late) are ours.
+//     motor-side feedback, a controller whose command is known, a late drive) are ours.
 // SI units: rad, rad/s, Nm. The motor's angle is taken at the gear's output side; i_motor is the reflected inertia.
 // Tests: test/unit/sea.cpp.
 #pragma once
@@ -19,7 +19,7 @@ namespace ukemi {
 struct SeaTerms {
   bool torque_limit = true;  ///< the clamp of Eq. 2
   bool extended = false;     ///< stiffening, friction and motor-side feedback
-  bool late = false;         ///< a drive that is late, whose states then follow the others: DriveLag
+  bool late = false;         ///< a late drive: the states of DriveLag follow the others
 };
 
 /// True where the drive of `p` is late, or derivatives by its delay or filter are needed.
@@ -46,8 +46,7 @@ T spring_torque(const SeaParameters<T>& p, const SeaState<T>& s) {
   return torque;
 }
 
-/// Whether a spring that softens, bent by d, no longer resists: its tangent stiffness K_SEA + 3 K_3 d^2 is not above 0.
-/// No run follows it there.
+/// Whether a softening spring has collapsed at the deflection d [rad]: K_SEA + 3 K_3 d^2 <= 0. A run ends there.
 inline bool gives_way(double k_sea, double k_sea_cubic, double d) {
   return k_sea_cubic < 0 && k_sea + 3 * k_sea_cubic * d * d <= 0;
 }
@@ -88,14 +87,14 @@ T motor_torque(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<
   }
 }
 
-/// A drive that is late. With u the torque of Eq. 3, or of a controller that is known, worked out of what is measured,
+/// A late drive. With u the torque of Eq. 3, or of a known controller, computed from what is measured,
 ///
 ///     tau_mot(t) = u(t - T_d),     u = K_p (phi_ref - phi) + K_d (dphi_ref - v),     v' = (dphi - v) / T_v
 ///
 /// so that the reference is as late as the angle: both are read in one cycle. As a linear system the delay is Pade's
-/// approximant of exp(-x), x = s T_d, of the orders 2 and 3, N(x) / D(x) with D = 1 + 3/5 x + 3/20 x^2 + 1/60 x^3; it
-/// errs by |x|^6 / 7200: 2e-6 of u at 100 rad/s and 5 ms. N is exp(-x) D up to its square, and that also where T_d is
-/// below `kShortest`, whose poles then replace its own: no delay, however short, is stiff, and the torque and
+/// approximant of exp(-x), x = s T_d, of the orders 2 and 3, N(x) / D(x) with D = 1 + 3/5 x + 3/20 x^2 + 1/60 x^3; its
+/// error is |x|^6 / 7200: 2e-6 of u at 100 rad/s and 5 ms. N is exp(-x) D up to its square, and that also where T_d is
+/// below `kShortestDelay`, whose poles then replace its own: no delay, however short, is stiff, and the torque and
 /// its derivative by T_d are right at T_d = 0 too, to (100 rad/s 0.5 ms)^3 / 60 = 2e-6. T_v likewise: exact from
 /// kShortestFilter on and at 0, else right to first order in frequency. Ours.
 /// Sources: Pade (1892); Ehle (1969): of these orders it is L-stable. Tests: test/unit/drive_lag.cpp.
@@ -108,69 +107,70 @@ class DriveLag {
   explicit DriveLag(const SeaParameters<T>& p)
       : motor_(p.feedback == Feedback::kMotor),
         delayed_(present(p.control_delay)),
-        per_delay_(T(1) / pole(p.control_delay, kShortest)),
-        per_filter_(T(1) / pole(p.velocity_filter, kShortestFilter)),
-        direct_(T(1) - p.velocity_filter * per_filter_) {
-    const T part = p.control_delay * per_delay_;  // of exp(-part x) D(x)
-    second_ = T(kD1) - part;
-    first_ = T(kD2) - part * (T(kD1) - T(0.5) * part);
+        delay_rate_(T(1) / time_constant(p.control_delay, kShortestDelay)),
+        filter_rate_(T(1) / time_constant(p.velocity_filter, kShortestFilter)),
+        direct_(T(1) - p.velocity_filter * filter_rate_) {
+    const T ratio = p.control_delay * delay_rate_;  // N = exp(-ratio x) D(x) up to x^2
+    second_ = T(kD1) - ratio;
+    first_ = T(kD2) - ratio * (T(kD1) - T(0.5) * ratio);
   }
 
   /// The actuator as the drive sees it: the rate that is fed back is filtered.
   template <class X>
-  SeaState<T> seen(SeaState<T> s, const X& x) const {
+  SeaState<T> filtered(SeaState<T> s, const X& x) const {
     T& rate = motor_ ? s.dphi_m : s.dphi;
     rate = x[kRate] + direct_ * (rate - x[kRate]);
     return s;
   }
-  /// tau_mot where u is what the drive asks for now [Nm].
+  /// tau_mot for the torque u that the drive demands now [Nm].
   template <class X>
   T torque(const T& u, const X& x) const {
     return select(delayed_, T(x[kThird] + second_ * x[kSecond] + first_ * x[kFirst]), u);
   }
-  /// dx/dt; s as it is, not as it is seen.
+  /// dx/dt; s is not filtered.
   template <class X>
   State derivative(const T& u, const SeaState<T>& s, const X& x) const {
-    const T over = (u - x[kThird] - T(kD1) * x[kSecond] - T(kD2) * x[kFirst]) * T(1 / kD3);
-    return {over * per_delay_, x[kFirst] * per_delay_, x[kSecond] * per_delay_, (fed_back(s) - x[kRate]) * per_filter_};
+    const T first_rate = (u - x[kThird] - T(kD1) * x[kSecond] - T(kD2) * x[kFirst]) * T(1 / kD3);
+    return {first_rate * delay_rate_, x[kFirst] * delay_rate_, x[kSecond] * delay_rate_,
+            (fed_back(s) - x[kRate]) * filter_rate_};
   }
-  /// Of its poles, the fastest [1/s]: those of D are within kPole / x.
-  double fastest() const {
+  /// Magnitude of its fastest pole [1/s]; the zeros of D are within |x| = kPole.
+  double fastest_pole() const {
     constexpr double kPole = 4.07;
-    return std::max(kPole * value_of(per_delay_), double(value_of(per_filter_)));
+    return std::max(kPole * value_of(delay_rate_), double(value_of(filter_rate_)));
   }
-  /// State of a drive whose rate and demanded torque have been constant for ever.
+  /// Steady state: rate and demanded torque have been constant for ever.
   State steady(const T& u, const SeaState<T>& s) const { return {T(0), T(0), u, fed_back(s)}; }
 
-  /// These constants in another scalar, by values.
+  /// Conversion to another scalar, by values.
   template <class U>
   explicit DriveLag(const DriveLag<U>& o)
       : motor_(o.motor_),
         delayed_(o.delayed_),
-        per_delay_(value_of(o.per_delay_)),
-        per_filter_(value_of(o.per_filter_)),
+        delay_rate_(value_of(o.delay_rate_)),
+        filter_rate_(value_of(o.filter_rate_)),
         direct_(value_of(o.direct_)),
         second_(value_of(o.second_)),
         first_(value_of(o.first_)) {}
 
-  static constexpr double kShortest = 5e-4, kShortestFilter = 1e-4;  ///< [s]
+  static constexpr double kShortestDelay = 5e-4, kShortestFilter = 1e-4;  ///< [s]
 
  private:
   template <Scalar U>
   friend class DriveLag;
-  static constexpr double kD1 = 3.0 / 5, kD2 = 3.0 / 20, kD3 = 1.0 / 60;  // of D
-  static constexpr double kIdle = 1e-2;  // of what is not there, whose state has no say [s]
+  static constexpr double kD1 = 3.0 / 5, kD2 = 3.0 / 20, kD3 = 1.0 / 60;  // coefficients of D
+  static constexpr double kIdle = 1e-2;  // of an absent delay or filter, whose state is not used [s]
 
   const T& fed_back(const SeaState<T>& s) const { return motor_ ? s.dphi_m : s.dphi; }
-  static T pole(const T& time, double shortest) {
-    return select(present(time), select(time > T(shortest), time, T(shortest)), T(kIdle));
+  static T time_constant(const T& value, double shortest) {
+    return select(present(value), select(value > T(shortest), value, T(shortest)), T(kIdle));
   }
 
   bool motor_;
   typename MaskOf<T>::type delayed_;
-  T per_delay_, per_filter_, direct_, second_, first_;
+  T delay_rate_, filter_rate_, direct_, second_, first_;
 };
-/// In a kernel whose drive is not late.
+/// In place of DriveLag in a kernel whose drive is not late.
 template <Scalar T>
 struct NoLag {
   enum { kStates };
@@ -185,13 +185,13 @@ T coulomb_level(const T& mean, const T& asymmetry, const T& direction) {
   return mean * (T(1) + direction * asymmetry);
 }
 
-/// tau_c + eta |tau_SEA|: a transmission rubs the more the more it carries. |tau| = sqrt(tau^2 + e^2) - e, e = 10 mNm
-/// [Nm]. Ours.
+/// Coulomb torque that grows with the transmitted torque: tau_c + eta |tau_SEA|, |tau| = sqrt(tau^2 + e^2) - e,
+/// e = 10 mNm [Nm]. Ours.
 template <class T>
-T loaded(const T& tau_c, const T& eta, const T& tau_sea) {
+T loaded_friction(const T& tau_c, const T& eta, const T& tau_sea) {
   using std::sqrt;
-  constexpr double kSmall = 0.01;  // e
-  return tau_c + eta * (sqrt(tau_sea * tau_sea + T(kSmall * kSmall)) - T(kSmall));
+  constexpr double kSmoothing = 0.01;  // e
+  return tau_c + eta * (sqrt(tau_sea * tau_sea + T(kSmoothing * kSmoothing)) - T(kSmoothing));
 }
 
 /// Stribeck's factor of a Coulomb torque at a speed: 1 + breakaway exp(-speed / v_s), so that a side breaks away at
@@ -202,8 +202,8 @@ T stribeck(const T& breakaway, const T& v_s, const T& speed) {
   return T(1) + breakaway * exp(-speed / v_s);
 }
 
-/// The two ends of the actuator, each with friction of its own; that of a motor that turns with its joint is of the
-/// output.
+/// The two sides of the actuator, each with its own friction. A motor that turns with its joint counts to the output
+/// side.
 enum Side { kOutputSide, kMotorSide, kSides };
 
 /// Coulomb's torque against a motion in `direction`, +1 or -1, at the rate v: direction L, L = `coulomb_level` times
@@ -214,7 +214,7 @@ T coulomb_torque(const SeaParameters<T>& p, const T& mean, const T& asymmetry, c
   if (any(present(p.breakaway))) torque *= stribeck(p.breakaway, p.stribeck_speed, T(direction * v));
   return torque;
 }
-/// tau_SEA less what the output's viscous friction takes: what turns the joint beside dry friction [Nm].
+/// tau_SEA - viscous friction: what turns the joint, without dry friction [Nm].
 template <SeaTerms kTerms, Scalar T>
 T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
   if constexpr (kTerms.extended)
@@ -223,7 +223,7 @@ T output_torque(const SeaParameters<T>& p, const T& dphi, const T& tau_sea) {
     return tau_sea;
 }
 
-/// tau_mot - tau_SEA - viscous friction: what turns the motor beside dry friction [Nm].
+/// tau_mot - tau_SEA - viscous friction: what turns the motor, without dry friction [Nm].
 template <SeaTerms kTerms, Scalar T>
 T torque_on_motor(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mot, const T& tau_sea) {
   T torque = tau_mot - tau_sea;
@@ -231,7 +231,7 @@ T torque_on_motor(const SeaParameters<T>& p, const T& dphi_m, const T& tau_mot, 
   return torque;
 }
 
-/// ddphi_m = (tau_mot - tau_SEA - friction) / I_motor, Eq. 4, of a drive that is not late, beside dry friction
+/// ddphi_m = (tau_mot - tau_SEA - viscous friction) / I_motor, Eq. 4, without delay, velocity filter and dry friction
 /// [rad/s^2].
 template <SeaTerms kTerms, Scalar T>
 T motor_acceleration(const SeaParameters<T>& p, const SeaState<T>& s, const Reference<T>& ref, const T& tau_sea) {

@@ -31,10 +31,10 @@ struct SeaParameters {
   T k_t = T(0);                        ///< K_t, the motor's torque for a unit of its command [Nm/unit], >= 0; 0: none
   T output_friction_asymmetry = T(0);  ///< of `output_friction`; -1..1
   T breakaway = T(0);                  ///< of both Coulomb torques, see stribeck; >= 0; 0: none
-  T stribeck_speed = T(0.05);          ///< v_s of the same [rad/s], > 0
-  T spring_loss = T(0);      ///< eta, dry friction on the motor that grows with the spring's torque, see loaded
+  T stribeck_speed = T(0.05);          ///< v_s, see stribeck [rad/s], > 0
+  T spring_loss = T(0);      ///< eta, dry friction on the motor per spring torque, see loaded_friction; >= 0; 0: none
   T control_delay = T(0);    ///< T_d, from what a drive measures to its torque [s], >= 0; see DriveLag
-  T velocity_filter = T(0);  ///< T_v, time constant of the low-pass of the rate that K_d sees [s], >= 0; the same
+  T velocity_filter = T(0);  ///< T_v, time constant of the low-pass of the rate that K_d sees [s], >= 0; see DriveLag
 
   /// These constants in another scalar.
   template <class U>
@@ -44,7 +44,7 @@ struct SeaParameters {
     out.feedback = feedback;
     return out;
   }
-  /// f(a's, b's) of every constant.
+  /// Calls f(a.x, b.x) for every constant x.
   template <class A, class B, class F>
   static constexpr void for_each(A& a, const B& b, F&& f) {
     f(a.k_p, b.k_p), f(a.k_d, b.k_d), f(a.k_sea, b.k_sea), f(a.c_sea, b.c_sea), f(a.i_motor, b.i_motor);

@@ -1,4 +1,4 @@
-// How long something has been at work.
+// Elapsed wall-clock and CPU time.
 #pragma once
 
 #include <ctime>
@@ -6,9 +6,9 @@
 namespace ukemi {
 
 enum class StopwatchTime : int {
-  kWall,       ///< what a robot waits
-  kProcessor,  ///< of the calling thread alone: comparisons on a machine that others use too
-  kProcess,    ///< of all threads of the program
+  kWall,       ///< real time
+  kProcessor,  ///< CPU time of the calling thread: for comparisons on a shared machine
+  kProcess,    ///< CPU time of all threads of the program
 };
 
 class Stopwatch {
@@ -27,7 +27,7 @@ class Stopwatch {
  private:
   double now() const {
     timespec t;
-    if (clock_gettime(clock_, &t) != 0) clock_gettime(CLOCK_MONOTONIC, &t);  // a browser has no processor's clock
+    if (clock_gettime(clock_, &t) != 0) clock_gettime(CLOCK_MONOTONIC, &t);  // a browser has no CPU clock
     return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
   }
   clockid_t clock_;

@@ -9,12 +9,12 @@ namespace ukemi {
 
 namespace {
 
-/// Bytes of the character that starts with `lead`, by UTF-8; 0: none does.
-std::size_t length_of(unsigned char lead) {
-  if (lead < 0x80) return 1;
-  if (lead >= 0xC2 && lead < 0xE0) return 2;
-  if (lead >= 0xE0 && lead < 0xF0) return 3;
-  return lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
+/// Length in bytes of the UTF-8 character that starts with `first_byte`; 0: no character does.
+std::size_t length_of(unsigned char first_byte) {
+  if (first_byte < 0x80) return 1;
+  if (first_byte >= 0xC2 && first_byte < 0xE0) return 2;
+  if (first_byte >= 0xE0 && first_byte < 0xF0) return 3;
+  return first_byte >= 0xF0 && first_byte < 0xF5 ? 4 : 0;
 }
 
 std::string escaped(const Character& c) {
@@ -49,7 +49,7 @@ Character first_character(std::string_view text) {
     if ((byte(i) & 0xC0) != 0x80) return none;
     code = code << 6 | (byte(i) & 0x3F);
   }
-  constexpr std::int32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};  // in so many bytes
+  constexpr std::int32_t kSmallest[] = {0, 0, 0x80, 0x800, 0x10000};  // smallest code that needs 1, 2, 3, 4 bytes
   const bool surrogate = code >= 0xD800 && code < 0xE000;
   if (code < kSmallest[length] || code > 0x10FFFF || surrogate) return none;
   return {text.substr(0, length), code};
@@ -72,15 +72,15 @@ std::string shell_quoted(const std::string& argument) {
   if (!argument.empty() && std::all_of(argument.begin(), argument.end(), plain)) return argument;
   const bool raw = shown(argument) == argument;
   std::string out = raw ? "'" : "$'";
-  for (std::string_view left = argument; !left.empty();) {
-    const Character c = first_character(left);
+  for (std::string_view remaining = argument; !remaining.empty();) {
+    const Character c = first_character(remaining);
     if (c.bytes == "'")
       out += raw ? "'\\''" : "\\'";
     else if (c.bytes == "\\")
       out += raw ? "\\" : "\\\\";
     else
       out += shown(c.bytes);
-    left.remove_prefix(c.bytes.size());
+    remaining.remove_prefix(c.bytes.size());
   }
   return out + "'";
 }

@@ -1,5 +1,4 @@
-// Text from outside, made safe to show: one line, nothing that a terminal acts on, nothing that a reader of ours
-// refuses.
+// Untrusted text, made safe to show: on one line, without control characters, in a form that our own readers accept.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +11,16 @@ namespace ukemi {
 struct Character {
   std::string_view bytes;
   std::int32_t code;  ///< code point; -1: one byte that belongs to no character
-  /// Neither a control character nor a mark that ends a line or turns the direction of writing.
+  /// Neither a control character nor a mark that ends a line or changes the writing direction.
   bool printable() const;
 };
 /// The first character of a text that is not empty.
 Character first_character(std::string_view text);
 
-/// `text` with what is not printable as \n, \r, \t, \x1b, \u202e, and the rest as it is. What is shown already stays.
+/// `text` with unprintable characters escaped as \n, \r, \t, \x1b, \u202e. Idempotent.
 std::string shown(std::string_view text);
 
-/// An argument as a shell takes it back: quoted where it must be, and printable.
+/// An argument as a shell reads it back: quoted where needed, and printable.
 std::string shell_quoted(const std::string& argument);
 
 }  // namespace ukemi

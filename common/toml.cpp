@@ -37,16 +37,16 @@ Range Range::non_negative() { return {0, std::numeric_limits<double>::infinity()
 struct TomlFile::Data {
   std::string path;
   toml::table root;
-  std::map<std::string, std::set<std::string>> asked;  // section -> keys
-  std::set<std::string> all;                           // sections that take every key
+  std::map<std::string, std::set<std::string>> requested;  // section -> keys that were read or accepted
+  std::set<std::string> open_sections;                     // sections that accept every key
 
   Location at(const toml::node& n) const { return {path, long(n.source().begin.line), long(n.source().begin.column)}; }
-  /// Throws on the first key of a table, or of tables in [[ ]], that was not read; those within them likewise.
+  /// Throws on the first key of a table, or of tables in [[ ]], that was not read; recursive.
   void check(const std::string& name, const toml::node& node) const {
     if (const toml::array* list = node.as_array())
       for (const toml::node& item : *list) check(name, item);
-    const auto known = asked.find(name);
-    if (!node.is_table() || known == asked.end() || all.count(name)) return;
+    const auto known = requested.find(name);
+    if (!node.is_table() || known == requested.end() || open_sections.count(name)) return;
     for (const auto& [key, value] : *node.as_table()) {
       const std::string k(key.str());
       if (!known->second.count(k))
@@ -61,7 +61,7 @@ struct TomlFile::Data {
 namespace {
 const toml::node* as_node(const void* p) { return static_cast<const toml::node*>(p); }
 const toml::table& as_table(const void* p) { return *static_cast<const toml::table*>(p); }
-/// Tables and arrays by hand: toml++'s own (3.3) overflows where it works out the length of a small number.
+/// Writes tables and arrays itself: toml++ 3.3 overflows where it computes the length of a small number.
 void write(std::ostream& out, const toml::node& n) {
   const char* between = "";
   if (const toml::array* array = n.as_array()) {
@@ -78,7 +78,7 @@ void write(std::ostream& out, const toml::node& n) {
     });
   }
 }
-std::string show(const toml::node& n) {
+std::string node_text(const toml::node& n) {
   if (const auto* number = n.as_floating_point()) return quoted(shortest(number->get()));
   std::ostringstream s;
   write(s, n);
@@ -87,8 +87,8 @@ std::string show(const toml::node& n) {
 
 constexpr std::size_t kLargestToml = 16 << 20;
 
-/// toml++ makes and destroys tables by recursion: what nests too deep for the stack is refused before it is parsed.
-/// Looks at the text as TOML's lexical rules divide it: strings, comments, brackets, the dots between a key's parts.
+/// toml++ builds and destroys tables recursively: nesting too deep for the stack is refused before parsing.
+/// Scans the text by TOML's lexical rules: strings, comments, brackets, the dots between a key's parts.
 class NestingCheck {
  public:
   NestingCheck(const std::string& path, std::string_view text) : path_(path), text_(text) {}
@@ -101,9 +101,9 @@ class NestingCheck {
       } else if (c == '"' || c == '\'') {
         skip_string(c);
       } else {
-        if (c == '[' || c == '{') count(++brackets_, "brackets within brackets");
+        if (c == '[' || c == '{') require_depth(++brackets_, "brackets within brackets");
         if ((c == ']' || c == '}') && brackets_ > 0) --brackets_;
-        if (c == '.') count(++dots_, "dots in a key");
+        if (c == '.') require_depth(++dots_, "dots in a key");
         if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots_ = 0;
         ++at_;
       }
@@ -113,7 +113,7 @@ class NestingCheck {
  private:
   static constexpr int kDeepest = 32;
 
-  void count(int depth, const char* of_what) const {
+  void require_depth(int depth, const char* of_what) const {
     if (depth <= kDeepest) return;
     const auto before = text_.substr(0, at_);
     const auto line_start = before.rfind('\n') + 1;  // 0 where there is none
@@ -121,15 +121,15 @@ class NestingCheck {
                      fmt::format("more than {} {}", kDeepest, of_what));
   }
   void skip_string(char quote) {
-    const std::string three(3, quote);
-    const bool long_one = text_.substr(at_, 3) == three;
-    const std::string_view end = long_one ? std::string_view(three) : text_.substr(at_, 1);
+    const std::string triple_quote(3, quote);
+    const bool multi_line = text_.substr(at_, 3) == triple_quote;
+    const std::string_view end = multi_line ? std::string_view(triple_quote) : text_.substr(at_, 1);
     for (at_ += end.size(); at_ < text_.size() && text_.substr(at_, end.size()) != end; ++at_) {
-      if (!long_one && text_[at_] == '\n') return;  // the parser refuses it
+      if (!multi_line && text_[at_] == '\n') return;  // the parser refuses it
       if (quote == '"' && text_[at_] == '\\') ++at_;
     }
     at_ = std::min(at_ + end.size(), text_.size());
-    for (int i = 0; long_one && i < 2 && text_.substr(at_, 1) == three.substr(0, 1); ++i)
+    for (int i = 0; multi_line && i < 2 && text_.substr(at_, 1) == triple_quote.substr(0, 1); ++i)
       ++at_;  // """a"""" ends in a "
   }
 
@@ -157,11 +157,11 @@ TomlFile::TomlFile(TomlFile&&) noexcept = default;
 const std::string& TomlFile::path() const { return data_->path; }
 
 std::optional<TomlSection> TomlFile::optional(const std::string& name) {
-  data_->asked[name];
+  data_->requested[name];
   const toml::node* n = data_->root.get(name);
   if (!n) return std::nullopt;
   if (!n->is_table())
-    throw InputError(data_->at(*n), "'" + name + "': " + show(*n) + ": a table [" + name + "] is needed");
+    throw InputError(data_->at(*n), "'" + name + "': " + node_text(*n) + ": a table [" + name + "] is needed");
   return TomlSection(data_.get(), n->as_table(), name);
 }
 
@@ -169,10 +169,10 @@ std::vector<TomlSection> TomlFile::sections(const std::string& name) {
   const toml::node* n = data_->root.get(name);
   if (!n) return {};
   const auto refuse = [&](const toml::node& wrong) {
-    throw InputError(data_->at(wrong), "'" + name + "': " + show(wrong) + ": tables [[" + name + "]] are needed");
+    throw InputError(data_->at(wrong), "'" + name + "': " + node_text(wrong) + ": tables [[" + name + "]] are needed");
   };
   if (!n->is_array()) refuse(*n);
-  data_->asked[name];
+  data_->requested[name];
   std::vector<TomlSection> out;
   for (const toml::node& item : *n->as_array()) {
     if (!item.is_table()) refuse(item);
@@ -184,9 +184,9 @@ std::vector<TomlSection> TomlFile::sections(const std::string& name) {
 std::optional<std::string> TomlFile::optional_text(const std::string& key) {
   const toml::node* n = data_->root.get(key);
   if (!n || n->is_table()) return std::nullopt;
-  data_->asked[key];
+  data_->requested[key];
   const auto v = n->value<std::string>();
-  if (!v) throw InputError(data_->at(*n), "'" + key + "': " + show(*n) + ": a text in quotes is needed");
+  if (!v) throw InputError(data_->at(*n), "'" + key + "': " + node_text(*n) + ": a text in quotes is needed");
   return v;
 }
 
@@ -194,21 +194,21 @@ TomlSection TomlFile::require(const std::string& name) {
   if (auto s = optional(name)) return *s;
   std::vector<std::string> there;
   for (const auto& [k, v] : data_->root) there.emplace_back(k.str());
-  const std::string near = nearest(name, there);
+  const std::string best = nearest(name, there);
   throw InputError({data_->path},
-                   "the table [" + name + "] is missing" + (near.empty() ? "" : " (there is [" + near + "])"));
+                   "the table [" + name + "] is missing" + (best.empty() ? "" : " (there is [" + best + "])"));
 }
 
 void TomlFile::finish() const {
   std::vector<std::string> sections;
-  for (const auto& [name, keys] : data_->asked) sections.push_back(name);
+  for (const auto& [name, keys] : data_->requested) sections.push_back(name);
   for (const auto& [key, node] : data_->root) {
     const std::string name(key.str());
     const Location where{data_->path, long(key.source().begin.line), long(key.source().begin.column)};
-    const auto it = data_->asked.find(name);
-    if (it == data_->asked.end()) {
+    const auto it = data_->requested.find(name);
+    if (it == data_->requested.end()) {
       std::string in;  // a key at top level may belong into a table
-      for (const auto& [section, keys] : data_->asked)
+      for (const auto& [section, keys] : data_->requested)
         if (keys.count(name)) in = " (it belongs into [" + section + "])";
       throw InputError(where, "unknown " + std::string(node.is_table() ? "table" : "key") + " " + quoted(name) +
                                   (in.empty() ? hint(name, sections) : in));
@@ -221,14 +221,14 @@ TomlSection::TomlSection(TomlFile::Data* data, const void* table, std::string na
     : data_(data), table_(table), name_(std::move(name)) {}
 
 const void* TomlSection::node(const std::string& key) {
-  data_->asked[name_].insert(key);
+  data_->requested[name_].insert(key);
   return as_table(table_).get(key);
 }
 std::optional<TomlSection> TomlSection::optional_section(const std::string& key) {
   const void* n = node(key);
   if (!n) return std::nullopt;
-  if (!as_node(n)->is_table()) fail(key, show(*as_node(n)) + ": a table is needed");
-  data_->asked[name_ + "." + key];
+  if (!as_node(n)->is_table()) fail(key, node_text(*as_node(n)) + ": a table is needed");
+  data_->requested[name_ + "." + key];
   return TomlSection(data_, as_node(n)->as_table(), name_ + "." + key);
 }
 std::vector<TomlSection> TomlSection::sections(const std::string& key) {
@@ -237,15 +237,15 @@ std::vector<TomlSection> TomlSection::sections(const std::string& key) {
   if (!n) return out;
   const toml::array* list = as_node(n)->as_array();
   if (!list) fail(key, "tables [[" + name_ + "." + key + "]] are needed");
-  data_->asked[name_ + "." + key];
+  data_->requested[name_ + "." + key];
   for (const toml::node& item : *list) {
-    if (!item.is_table()) fail(key, show(item) + ": a table is needed");
+    if (!item.is_table()) fail(key, node_text(item) + ": a table is needed");
     out.push_back(TomlSection(data_, item.as_table(), name_ + "." + key));
   }
   return out;
 }
 bool TomlSection::has(const std::string& key) const { return as_table(table_).contains(key); }
-void TomlSection::accept_all() { data_->all.insert(name_); }
+void TomlSection::accept_all() { data_->open_sections.insert(name_); }
 
 Location TomlSection::where(const std::string& key) const {
   const toml::node* n = key.empty() ? nullptr : as_table(table_).get(key);
@@ -257,10 +257,10 @@ void TomlSection::fail(const std::string& key, const std::string& message) const
 
 double TomlSection::checked(const std::string& key, const void* n, const Range& range) const {
   const auto value = as_node(n)->value<double>();
-  if (!value || as_node(n)->is_boolean()) fail(key, show(*as_node(n)) + ": a number is needed");
+  if (!value || as_node(n)->is_boolean()) fail(key, node_text(*as_node(n)) + ": a number is needed");
   if (!std::isfinite(*value)) fail(key, shortest(*value) + ": a finite number is needed");
   if (const auto* whole = as_node(n)->as_integer(); whole && whole->flags() != toml::value_flags::none)
-    fail(key, show(*as_node(n)) + ": a decimal number is needed");
+    fail(key, node_text(*as_node(n)) + ": a decimal number is needed");
   if (!range.holds(*value)) fail(key, shortest(*value) + ": must be " + range.rule);
   return *value;
 }
@@ -272,12 +272,12 @@ std::optional<double> TomlSection::optional_number(const std::string& key, const
 }
 double TomlSection::number(const std::string& key, const Range& range) {
   if (const auto v = optional_number(key, range)) return *v;
-  std::vector<std::string> there;  // and nobody asked for
+  std::vector<std::string> there;  // keys of the table that were not requested
   for (const auto& [k, v] : as_table(table_))
-    if (!data_->asked[name_].contains(std::string(k.str()))) there.emplace_back(k.str());
-  const std::string near = nearest(key, there);
+    if (!data_->requested[name_].contains(std::string(k.str()))) there.emplace_back(k.str());
+  const std::string best = nearest(key, there);
   throw InputError(
-      where(), "[" + name_ + "] the key '" + key + "' is missing" + (near.empty() ? "" : " (there is '" + near + "')"));
+      where(), "[" + name_ + "] the key '" + key + "' is missing" + (best.empty() ? "" : " (there is '" + best + "')"));
 }
 
 std::optional<double> TomlSection::angle_of(const std::string& key, bool required) {
@@ -290,7 +290,7 @@ std::optional<double> TomlSection::angle_of(const std::string& key, bool require
   const auto v = optional_number(key, Range::any());
   if (v && std::abs(*v) > 2 * std::numbers::pi)
     fail(key, shortest(*v) + ": an angle in radians beyond 2 pi; for degrees name the key '" + in_degrees + "'");
-  if (!v && required) return number(in_degrees, Range::any());  // says that it is missing
+  if (!v && required) return number(in_degrees, Range::any());  // throws: the key is missing
   return v;
 }
 double TomlSection::angle(const std::string& key) { return *angle_of(key, true); }
@@ -325,17 +325,17 @@ std::optional<std::vector<double>> TomlSection::optional_numbers(const std::stri
   if (!n) return std::nullopt;
   const toml::array* array = as_node(n)->as_array();
   if (!array || array->size() != count)
-    fail(key, show(*as_node(n)) + ": " + std::to_string(count) + " numbers in [ ] are needed");
+    fail(key, node_text(*as_node(n)) + ": " + std::to_string(count) + " numbers in [ ] are needed");
   std::vector<double> out;
   for (const toml::node& x : *array) out.push_back(checked(key, &x, range));
   return out;
 }
-std::vector<double> TomlSection::optional_list(const std::string& key, std::size_t most, const Range& range) {
+std::vector<double> TomlSection::optional_list(const std::string& key, std::size_t max_size, const Range& range) {
   const void* n = node(key);
   if (!n) return {};
   const toml::array* array = as_node(n)->as_array();
-  if (!array || array->size() > most)
-    fail(key, show(*as_node(n)) + ": at most " + std::to_string(most) + " numbers in [ ] are needed");
+  if (!array || array->size() > max_size)
+    fail(key, node_text(*as_node(n)) + ": at most " + std::to_string(max_size) + " numbers in [ ] are needed");
   return *optional_numbers(key, array->size(), range);
 }
 std::optional<long> TomlSection::optional_count(const std::string& key, long lowest, long highest) {
@@ -382,14 +382,14 @@ std::optional<double> TomlSection::optional_part(const std::string& key) {
 std::optional<bool> TomlSection::optional_flag(const std::string& key) {
   const void* n = node(key);
   if (!n) return std::nullopt;
-  if (!as_node(n)->is_boolean()) fail(key, show(*as_node(n)) + ": true or false is needed");
+  if (!as_node(n)->is_boolean()) fail(key, node_text(*as_node(n)) + ": true or false is needed");
   return *as_node(n)->value<bool>();
 }
 std::optional<std::string> TomlSection::optional_text(const std::string& key) {
   const void* n = node(key);
   if (!n) return std::nullopt;
   const auto v = as_node(n)->value<std::string>();
-  if (!v) fail(key, show(*as_node(n)) + ": a text in quotes is needed");
+  if (!v) fail(key, node_text(*as_node(n)) + ": a text in quotes is needed");
   return *v;
 }
 std::string TomlSection::text(const std::string& key) {
@@ -400,10 +400,10 @@ std::optional<std::vector<std::string>> TomlSection::optional_texts(const std::s
   const void* n = node(key);
   if (!n) return std::nullopt;
   const toml::array* array = as_node(n)->as_array();
-  if (!array) fail(key, show(*as_node(n)) + ": texts in [ ] are needed");
+  if (!array) fail(key, node_text(*as_node(n)) + ": texts in [ ] are needed");
   std::vector<std::string> out;
   for (const toml::node& x : *array) {
-    if (!x.is_string()) fail(key, show(x) + ": a text in quotes is needed");
+    if (!x.is_string()) fail(key, node_text(x) + ": a text in quotes is needed");
     out.push_back(*x.value<std::string>());
   }
   return out;
@@ -412,25 +412,25 @@ std::optional<std::string> TomlSection::optional_choice(const std::string& key,
                                                         const std::vector<std::string>& choices) {
   auto v = optional_text(key);
   if (!v) return std::nullopt;
-  std::string all;
+  std::string list;
   for (const std::string& c : choices) {
     if (c == *v) return v;
-    all += (all.empty() ? "\"" : ", \"") + c + "\"";
+    list += (list.empty() ? "\"" : ", \"") + c + "\"";
   }
-  fail(key, ukemi::quoted(*v) + ": one of " + all + " is needed");
+  fail(key, ukemi::quoted(*v) + ": one of " + list + " is needed");
 }
 
 std::string toml_text(const std::string& s) {
   std::string out;
-  for (std::string_view left = s; !left.empty();) {
-    const Character c = first_character(left);
+  for (std::string_view remaining = s; !remaining.empty();) {
+    const Character c = first_character(remaining);
     if (c.bytes == "\"" || c.bytes == "\\")
       out += '\\' + std::string(c.bytes);
     else if (c.printable())
       out += c.bytes;
     else
       out += c.code < 0 ? '\\' + shown(c.bytes) : fmt::format("\\u{:04X}", c.code);
-    left.remove_prefix(c.bytes.size());
+    remaining.remove_prefix(c.bytes.size());
   }
   return out;
 }

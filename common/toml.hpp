@@ -1,4 +1,4 @@
-// TOML files in: every key is read with its rule; a key that is not read is an error that names the nearest known
+// Reading TOML files: every key is read with its rule; a key that is not read is an error that names the nearest known
 // key.
 #pragma once
 
@@ -34,7 +34,7 @@ class TomlFile {
  public:
   /// Throws InputError with line and column on what is no TOML, nests deeper than 32, or is longer than 16 MiB.
   explicit TomlFile(const std::string& path);
-  /// A text in place of what the file at that path holds.
+  /// Parses `text` as the content of `path`.
   TomlFile(const std::string& path, const std::string& text);
   ~TomlFile();
   TomlFile(TomlFile&&) noexcept;
@@ -65,13 +65,13 @@ class TomlSection {
   /// `key` [rad] or `key_deg`; an angle in radians beyond 2 pi is refused with a hint.
   double angle(const std::string& key);
   std::optional<double> optional_angle(const std::string& key);
-  /// [rad/s], of KEY or, in degrees a second, KEY_deg.
+  /// Rate of `key` [rad/s] or `key_deg` [deg/s].
   std::optional<double> optional_rate(const std::string& key);
   std::optional<std::array<double, 2>> optional_angle_pair(const std::string& key);
   std::vector<double> numbers(const std::string& key, std::size_t count, const Range& range);
   std::optional<std::vector<double>> optional_numbers(const std::string& key, std::size_t count, const Range& range);
-  /// A list of at most `most` numbers; a missing one is empty.
-  std::vector<double> optional_list(const std::string& key, std::size_t most, const Range& range);
+  /// A list of at most `max_size` numbers; a missing one is empty.
+  std::vector<double> optional_list(const std::string& key, std::size_t max_size, const Range& range);
   std::optional<long> optional_count(const std::string& key, long lowest, long highest);
   std::optional<std::vector<std::vector<double>>> optional_matrix(const std::string& key);
   std::string text(const std::string& key);
@@ -86,7 +86,7 @@ class TomlSection {
   std::optional<TomlSection> optional_section(const std::string& key);
   /// Tables in [[ ]], in their order; empty where the key is omitted.
   std::vector<TomlSection> sections(const std::string& key);
-  /// A key that is known and not read.
+  /// Marks a key as known without reading it.
   void accept(const std::string& key) { node(key); }
   /// Accepts whatever else the table holds (provenance).
   void accept_all();
@@ -107,8 +107,8 @@ class TomlSection {
   std::string name_;
 };
 
-/// A text for between the quotes of a TOML file: it reads back as it was, but for bytes that are no UTF-8, which TOML
-/// cannot hold: they are written as \xNN, as `shown` does.
+/// `s` escaped for a quoted TOML string. It reads back unchanged, except for bytes that are no UTF-8, which TOML cannot
+/// hold: they are written as \xNN, as `shown` does.
 std::string toml_text(const std::string& s);
 
 }  // namespace ukemi

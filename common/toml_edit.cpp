@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
+#include <limits>
 
 #include "common/csv.hpp"
 #include "common/files.hpp"
@@ -21,6 +23,13 @@ toml::table parsed(const std::string& path, const std::string& text) {
   }
 }
 
+/// Of an element of an array; beyond the last where the step is a key.
+std::size_t index_of(const std::string& step) {
+  std::size_t out = std::numeric_limits<std::size_t>::max();
+  std::from_chars(step.data(), step.data() + step.size(), out);
+  return out;
+}
+
 /// The table at a place; null where there is none.
 const toml::table* table_at(const toml::table& root, const TomlEdit::Place& place) {
   const toml::node* at = &root;
@@ -28,13 +37,15 @@ const toml::table* table_at(const toml::table& root, const TomlEdit::Place& plac
     if (const toml::table* t = at->as_table())
       at = t->get(step);
     else if (const toml::array* list = at->as_array())
-      at = list->get(std::size_t(std::stoul(step)));
+      at = list->get(index_of(step));
+    else
+      return nullptr;
     if (!at) return nullptr;
   }
   return at->as_table();
 }
 
-/// The byte of a position of the parser, which counts letters.
+/// Byte offset of a parser position, which counts characters.
 std::size_t offset(const std::string& text, const toml::source_position& p) {
   std::size_t at = 0;
   for (toml::source_index line = 1; line < p.line; ++line) at = text.find('\n', at) + 1;
@@ -44,15 +55,15 @@ std::size_t offset(const std::string& text, const toml::source_position& p) {
   return at;
 }
 
-/// Lines on which a table of the file begins, [NAME] or [[NAME]].
-void headers(const toml::table& t, std::vector<toml::source_index>& out) {
+/// Appends the lines of all table headers, [NAME] or [[NAME]].
+void header_lines(const toml::table& t, std::vector<toml::source_index>& out) {
   for (const auto& [key, node] : t) {
     if (const toml::table* inner = node.as_table(); inner && !inner->is_inline())
-      out.push_back(inner->source().begin.line), headers(*inner, out);
+      out.push_back(inner->source().begin.line), header_lines(*inner, out);
     if (const toml::array* list = node.as_array())
       for (const toml::node& item : *list)
         if (const toml::table* inner = item.as_table(); inner && !inner->is_inline())
-          out.push_back(inner->source().begin.line), headers(*inner, out);
+          out.push_back(inner->source().begin.line), header_lines(*inner, out);
   }
 }
 
@@ -99,7 +110,7 @@ void TomlEdit::set(const Place& table, const std::string& key, const std::string
 void TomlEdit::set_raw(const Place& place, const std::string& key, const std::string& value) {
   const toml::table root = parsed(path_, text_);
   const toml::table* t = table_at(root, place);
-  const std::string before = text_;
+  const std::string original = text_;
   if (!t) throw InputError({path_}, fmt::format("'{}': there is no such table to write it in", key));
   if (const toml::node* n = t->get(key)) {
     const std::size_t from = offset(text_, n->source().begin), to = offset(text_, n->source().end);
@@ -113,10 +124,10 @@ void TomlEdit::set_raw(const Place& place, const std::string& key, const std::st
     const std::size_t line = place.empty() ? 0 : text_.find('\n', offset(text_, t->source().begin)) + 1;
     text_.insert(line, fmt::format("{} = {}\n", key, value));
   }
-  // What was written must stand where it was meant to.
+  // The key must now be found in the intended table.
   const auto fail = [&] {
     const Location where{path_, long(t->source().begin.line), long(t->source().begin.column)};
-    text_ = before;
+    text_ = original;
     throw InputError(where, fmt::format("'{}' cannot be written into this table: give it a header [NAME]", key));
   };
   try {
@@ -154,13 +165,13 @@ void TomlEdit::remove_table(const std::string& name) {
   const toml::node* n = root.get(name);
   if (!n) return;
   std::vector<toml::source_index> lines;
-  headers(root, lines);
-  const toml::source_index own = n->source().begin.line;
+  header_lines(root, lines);
+  const toml::source_index header_line = n->source().begin.line;
   const auto start = [&](toml::source_index line) { return offset(text_, {line, 1}); };
   std::size_t to = text_.size();
   for (const toml::source_index line : lines)
-    if (line > own) to = std::min(to, start(line));
-  text_.erase(start(own), to - start(own));
+    if (line > header_line) to = std::min(to, start(line));
+  text_.erase(start(header_line), to - start(header_line));
 }
 
 }  // namespace ukemi

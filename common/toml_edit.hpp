@@ -1,4 +1,4 @@
-// TOML files with other values: what is not changed stays as it is, comments and order included.
+// Edits of values in TOML files: what is not changed stays as written, comments and order included.
 #pragma once
 
 #include <string>
@@ -6,9 +6,9 @@
 
 namespace ukemi {
 
-/// The text of a TOML file under edits. A place is the way from the top to a table: keys, and indices of tables in
-/// [[ ]], as {"robot", "contact", "2"}. Every edit throws InputError where the file is written in a way that it cannot
-/// follow (a table of dotted keys). Tests: test/unit/toml_edit.cpp.
+/// The text of a TOML file under edits. A place is the path from the root to a table: keys, and indices of tables in
+/// [[ ]], as {"robot", "contact", "2"}. Every edit throws InputError where the file's layout does not allow it (a
+/// table of dotted keys). Tests: test/unit/toml_edit.cpp.
 class TomlEdit {
  public:
   using Place = std::vector<std::string>;
@@ -21,15 +21,15 @@ class TomlEdit {
   std::string text_at(const Place& table, const std::string& key) const;
   /// The numbers of a list at a key; empty where there is none.
   std::vector<double> numbers_at(const Place& table, const std::string& key) const;
-  /// A number at a key of a table that is there; a number that is there already is left as it is written.
+  /// Sets a number in an existing table; an equal number is left as written.
   void set(const Place& table, const std::string& key, double value);
-  /// A text likewise.
+  /// Sets a text, likewise.
   void set(const Place& table, const std::string& key, const std::string& text);
-  /// Anything else, as TOML writes it.
+  /// Sets a value given in TOML syntax.
   void set_raw(const Place& table, const std::string& key, const std::string& value);
-  /// A key and its value, where they are there.
+  /// Removes a key and its value, if present.
   void remove(const Place& table, const std::string& key);
-  /// A table of the top level, [NAME], where it is there.
+  /// Removes the top-level table [NAME], if present.
   void remove_table(const std::string& name);
   void append(const std::string& text) { text_ += text; }
   const std::string& text() const { return text_; }

@@ -1,10 +1,10 @@
-// The parser of TOML files, as all of its users take it.
+// The TOML parser, with the settings that all of its users share.
 #pragma once
 
 #define TOML_HEADER_ONLY 1
 // In a Debug build the parser would end the program on "[+]", where it otherwise refuses it; found by test/fuzz.
 #define TOML_ASSERT(expression) static_cast<void>(0)
-// The parser's table of spaces (3.3) reaches its unreachable places for letters beyond ASCII: they are no spaces.
+// toml++ 3.3's table of white space runs into TOML_UNREACHABLE for letters beyond ASCII, which are no white space.
 #include <toml++/impl/preprocessor.h>
 #pragma push_macro("TOML_UNREACHABLE")
 #undef TOML_UNREACHABLE

@@ -29,7 +29,7 @@ typedef double Double2 __attribute__((vector_size(16)));  // NOLINT(modernize-us
 [[gnu::noinline, gnu::cold]] inline SinCos<double> sin_cos_library(double x) { return {std::sin(x), std::cos(x)}; }
 
 namespace detail {
-/// Each constant in both lanes, so that it is read as an operand and not spread at every use.
+/// Each constant in both lanes, so that it is read as an operand and not broadcast at every use.
 struct SinCosTable {
   Double2 two_over_pi{0.63661977236758134308, 0.63661977236758134308}, round{0x1.8p52, 0x1.8p52}, one{1, 1},
       half{0.5, 0.5};
@@ -52,7 +52,7 @@ struct SinCosTable {
 inline const SinCosTable kSinCosTable;
 typedef std::int64_t Bits2 __attribute__((vector_size(16)));  // NOLINT(modernize-use-using)
 
-/// Every lane of D, a vector of doubles, below kReducible; I is the vector of integers of its size.
+/// Sine and cosine of every lane, |x| < kReducible. D: a vector of doubles, I: the vector of integers of its size.
 template <class D, class I>
 UKEMI_INLINE void sin_cos_reduced(const D& x, D& sine, D& cosine, const SinCosTable* k = &kSinCosTable) {
   const auto c = [](const Double2& pair) UKEMI_INLINE_LAMBDA {
@@ -75,7 +75,7 @@ UKEMI_INLINE void sin_cos_reduced(const D& x, D& sine, D& cosine, const SinCosTa
 }
 }  // namespace detail
 
-/// Both angles at once: the two lanes of one register.
+/// Sine and cosine of two angles, in the two lanes of one register.
 UKEMI_INLINE std::array<SinCos<double>, 2> sin_cos(double x0, double x1) {
   const detail::SinCosTable* k = &detail::kSinCosTable;
   __asm__("" : "+r"(k));  // else the compiler rebuilds each constant from one lane

@@ -15,13 +15,13 @@
 namespace ukemi {
 
 std::pair<std::string, std::string> fault_of(const Uncertainty& u, const std::vector<std::string>& known,
-                                             const std::string& whom) {
+                                             const std::string& owner) {
   for (auto name = u.order.begin(); name != u.order.end(); ++name) {
     if (std::find(known.begin(), known.end(), *name) == known.end())
-      return {"order", quoted(*name) + ": not a constant of " + whom + hint(*name, known)};
+      return {"order", quoted(*name) + ": not a constant of " + owner + hint(*name, known)};
     if (std::find(u.order.begin(), name, *name) != name) return {"order", quoted(*name) + ": named twice"};
   }
-  constexpr double kRounding = 1e-6;  // in parts of both standard errors
+  constexpr double kRounding = 1e-6;  // relative to both standard errors
   const auto c = eigen(u.covariance);
   const auto n = long(u.order.size());
   const auto wrong = [](const std::string& message) {
@@ -39,7 +39,7 @@ std::pair<std::string, std::string> fault_of(const Uncertainty& u, const std::ve
   return {"", ""};
 }
 
-Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom) {
+Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& owner) {
   const auto order = section.optional_texts("order");
   const auto rows = section.optional_matrix("covariance");
   if (!order || !rows) section.fail("order", "both 'order' and 'covariance' are needed");
@@ -47,7 +47,7 @@ Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string
   Uncertainty out{*order, DenseMatrix(n, n)};
   for (long i = 0; i < n; ++i)
     for (long j = 0; j < n; ++j) out.covariance(i, j) = (*rows)[std::size_t(i)][std::size_t(j)];
-  if (const auto [key, message] = fault_of(out, known, whom); !message.empty()) section.fail(key, message);
+  if (const auto [key, message] = fault_of(out, known, owner); !message.empty()) section.fail(key, message);
   return out;
 }
 

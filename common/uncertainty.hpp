@@ -6,7 +6,7 @@
 
 namespace ukemi {
 
-/// A matrix as plain numbers, column by column. Takes any matrix of Eigen, and becomes one.
+/// A column-major matrix of doubles. Converts from and to any matrix of Eigen.
 class DenseMatrix {
  public:
   DenseMatrix() = default;
@@ -40,12 +40,12 @@ class DenseMatrix {
   std::vector<double> data_;
 };
 
-/// From a normal number's mean to its 97.5 % quantile, in standard deviations: half of its 95 % interval.
+/// 97.5 % quantile of the standard normal distribution: half the width of its 95 % interval.
 inline constexpr double kNormal975 = 1.959963984540054;
 
 struct Uncertainty {
   std::vector<std::string> order;
-  DenseMatrix covariance;  ///< of those, in their order, SI
+  DenseMatrix covariance;  ///< of `order`, in SI units
 };
 
 }  // namespace ukemi

@@ -1,4 +1,4 @@
-// [uncertainty] and [verdict] of a file.
+// Reading and writing of [uncertainty] and [verdict].
 #pragma once
 
 #include <string>
@@ -11,19 +11,19 @@
 
 namespace ukemi {
 
-/// The key that is wrong and what is wrong with it, see `check` of common/checks.hpp; both empty: nothing.
+/// The faulty key and its fault, see `check` of common/checks.hpp; both empty where there is none.
 std::pair<std::string, std::string> fault_of(const Uncertainty& uncertainty, const std::vector<std::string>& known,
-                                             const std::string& whom);
-/// `order` and `covariance`; each name once and one of `known`, which are constants of `whom`. Throws InputError with
+                                             const std::string& owner);
+/// `order` and `covariance`; each name once and one of `known`, which are constants of `owner`. Throws InputError with
 /// file:line:column.
-Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& whom);
-/// The line of the key `covariance`.
+Uncertainty read_uncertainty(TomlSection& section, const std::vector<std::string>& known, const std::string& owner);
+/// The TOML text of the key `covariance`.
 std::string covariance_lines(const DenseMatrix& covariance);
 
 /// Verdicts of [verdict]; keys are some of `constants`, the result in their order. Empty where there is no such table.
 /// Throws InputError with file:line:column.
 Verdicts read_verdicts(TomlFile& file, const std::vector<std::string>& constants);
-/// The table as a file has it; empty where there is no verdict.
+/// The TOML text of [verdict]; empty where there is no verdict.
 std::string verdict_table(const Verdicts& verdicts);
 
 }  // namespace ukemi

@@ -28,8 +28,8 @@ std::string verdict_table(const Verdicts& verdicts) {
 
 Verdicts doubted(const Verdicts& verdicts) {
   Verdicts out;
-  for (const auto& of : verdicts)
-    if (of.second != "trusted" && of.second != "fixed") out.push_back(of);
+  for (const auto& entry : verdicts)
+    if (entry.second != "trusted" && entry.second != "fixed") out.push_back(entry);
   return out;
 }
 

@@ -1,4 +1,4 @@
-// What the fit that found constants says of each, as [verdict] of a file has it.
+// The verdict of a fit on each constant that it found, as in [verdict] of a file.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ using Verdicts = std::vector<std::pair<std::string, std::string>>;
 
 /// Those that are neither trusted nor fixed.
 Verdicts doubted(const Verdicts& verdicts);
-/// The doubted in words: "k_sea is weak, c_sea is not identifiable".
+/// The doubted verdicts in words: "k_sea is weak, c_sea is not identifiable".
 std::string doubts(const Verdicts& verdicts);
 
 }  // namespace ukemi

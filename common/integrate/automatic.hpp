@@ -1,25 +1,25 @@
-// Explicit where it can be, implicit where it pays: chosen phase by phase while the run goes.
+// Automatic switching between an explicit and an implicit method, while the run goes.
 #pragma once
 
 #include "common/integrate/rosenbrock.hpp"
 
 namespace ukemi::integrate {
 
-/// Takes `Explicit` steps until stability, not accuracy, bounds them, then `Implicit` ones until those are no longer
-/// worth their price.
+/// Takes `Explicit` steps until stability, not accuracy, bounds them, then `Implicit` ones until those no
+/// longer pay.
 ///
-/// The measure while explicit is |h lambda| of the last two stages, which is free (Hairer, Wanner, IV.2): kPatience
-/// steps beyond the method's stability boundary with less than kForget in a row inside it, and it changes over. While
-/// implicit, the spectral radius rho of the Jacobian at hand (a power iteration a step) says which explicit step would
-/// be stable, boundary / rho. An implicit step pays where it is kPrice times as long. If kTrial do not before one does,
-/// it changes back and waits twice as long the next time; once one has, it takes kRegret in a row that do not.
+/// The measure while explicit is |h lambda| of the last two stages, which is free (Hairer, Wanner, IV.2): it switches
+/// after kStiffSteps steps beyond the method's stability boundary with less than kNonstiffSteps in a row within it.
+/// While implicit, the longest stable explicit step is boundary / rho, rho the spectral radius of the Jacobian (one
+/// power iteration a step). An implicit step pays where it is kImplicitCost times as long. If kTrialSteps do not before
+/// one does, it switches back and doubles kStiffSteps the next time; once one has, kReturnSteps in a row must not pay.
 template <class ExplicitMethod, class ImplicitMethod>
 struct Automatic {
   using Explicit = ExplicitMethod;
   using Implicit = ImplicitMethod;
   static constexpr int kOrder = std::min(Explicit::kOrder, Implicit::kOrder);
-  static constexpr int kPatience = 100, kForget = 6, kTrial = 3, kRegret = 20;
-  static constexpr double kPrice = 10;  ///< an implicit step costs about as much as this many explicit ones
+  static constexpr int kStiffSteps = 100, kNonstiffSteps = 6, kTrialSteps = 3, kReturnSteps = 20;
+  static constexpr double kImplicitCost = 10;  ///< of an implicit step, in explicit ones
 };
 
 template <class Method, int N, int kCoupled>
@@ -32,12 +32,12 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   using State = typename Base::State;
 
   bool implicit() const { return implicit_; }
-  void forget() { stages_.forget(); }
+  void invalidate() { stages_.invalidate(); }
   int error_order() const { return implicit_ ? Implicit::kErrorOrder : Explicit::kErrorOrder; }
 
   template <class F>
   void advance(F&& f) {
-    taken_implicit_ = implicit_;
+    was_implicit_ = implicit_;
     if (!implicit_) return Base::advance(f);
     this->compute();
     stages_.advance(*this, f);
@@ -48,44 +48,42 @@ class AutomaticStep : public Step<typename Method::Explicit, double, N> {
   }
   template <class F>
   void prepare_dense(F&& f) {
-    taken_implicit_ ? stages_.prepare_dense() : Base::prepare_dense(f);
+    was_implicit_ ? stages_.prepare_dense() : Base::prepare_dense(f);
   }
   State at(double s) const {
-    if (!taken_implicit_) return Base::at(s);
-    const auto place = this->place(s);
-    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.beyond);
+    if (!was_implicit_) return Base::at(s);
+    const auto point = this->point_at(s);
+    return this->extrapolated(stages_.at(this->y, this->computed_end(), point.fraction), point.excess);
   }
-  double component_at(int index, double s) const {
-    return taken_implicit_ ? at(s)[index] : Base::component_at(index, s);
-  }
+  double component_at(int index, double s) const { return was_implicit_ ? at(s)[index] : Base::component_at(index, s); }
 
   /// After a whole accepted step: which method takes the next one, and its length.
   double choose(double h_next) {
     if (!implicit_) {
       if (Base::stiffness(kCoupled) > Explicit::kStabilityBoundary) {
-        inside_ = 0;
-        if (++outside_ >= patience_) implicit_ = true, outside_ = dear_ = 0, paid_ = false;
-      } else if (++inside_ >= Method::kForget) {
-        outside_ = 0;
+        nonstiff_ = 0;
+        if (++stiff_ >= stiff_limit_) implicit_ = true, stiff_ = costly_ = 0, paid_off_ = false;
+      } else if (++nonstiff_ >= Method::kNonstiffSteps) {
+        stiff_ = 0;
       }
       return h_next;
     }
     const double stable = Explicit::kStabilityBoundary / stages_.spectral_radius();
-    if (this->h >= Method::kPrice * stable) {
-      dear_ = 0, paid_ = true, patience_ = Method::kPatience;
-    } else if (h_next < kGrows * this->h && ++dear_ >= (paid_ ? Method::kRegret : Method::kTrial)) {
-      implicit_ = false, inside_ = 0;
-      if (!paid_) patience_ = std::min(2 * patience_, 16 * Method::kPatience);
+    if (this->h >= Method::kImplicitCost * stable) {
+      costly_ = 0, paid_off_ = true, stiff_limit_ = Method::kStiffSteps;
+    } else if (h_next < kGrowing * this->h && ++costly_ >= (paid_off_ ? Method::kReturnSteps : Method::kTrialSteps)) {
+      implicit_ = false, nonstiff_ = 0;
+      if (!paid_off_) stiff_limit_ = std::min(2 * stiff_limit_, 16 * Method::kStiffSteps);
       return std::min(h_next, stable);
     }
     return h_next;
   }
 
  private:
-  static constexpr double kGrows = 1.5;  ///< a step that the next one exceeds so far says nothing yet
+  static constexpr double kGrowing = 1.5;  ///< a step whose next one is longer by this factor is not judged
   RosenbrockStages<Implicit, N, kCoupled> stages_;
-  bool implicit_ = false, taken_implicit_ = false, paid_ = false;
-  int outside_ = 0, inside_ = 0, dear_ = 0, patience_ = Method::kPatience;
+  bool implicit_ = false, was_implicit_ = false, paid_off_ = false;
+  int stiff_ = 0, nonstiff_ = 0, costly_ = 0, stiff_limit_ = Method::kStiffSteps;
 };
 
 template <class E, class I, int N, int kCoupled>

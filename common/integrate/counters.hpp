@@ -1,4 +1,4 @@
-// How a step of an integrator ended, and what steps cost.
+// How a step of an integrator ended, and counts of its work.
 #pragma once
 
 namespace ukemi::integrate {
@@ -7,7 +7,7 @@ enum class Status {
   kStepped,    ///< the step was taken; there may be more
   kReached,    ///< the step ended at the stop time
   kEvent,      ///< the step ended on a guard's zero (or had length zero: `immediate`)
-  kTooSmall,   ///< the error control asks for a step below the resolution of time
+  kTooSmall,   ///< the error control needs a step below the resolution of time
   kNotFinite,  ///< the field is not finite where the step starts
   kStuck,      ///< too many events at one instant
 };
@@ -15,7 +15,7 @@ enum class Status {
 /// Work done so far.
 struct Counters {
   long steps = 0, rejected = 0, derivatives = 0, jacobians = 0, events = 0;
-  long implicit = 0;  ///< steps that an automatic method took with its implicit one
+  long implicit = 0;  ///< steps that an automatic method took implicitly
 };
 
 }  // namespace ukemi::integrate

@@ -6,8 +6,8 @@
 namespace ukemi::integrate {
 
 /// How differential equations are solved. kAuto takes explicit steps (of order 5 down to an accuracy of 1e-7, of order
-/// 8 below it) and changes to Rodas5P where a phase is stiff. The first two of the others step by the longest step that
-/// the options allow, shortened at events; the rest keep to the accuracy.
+/// 8 below it) and switches to Rodas5P where a phase is stiff. Semi-implicit Euler and rk4 take the longest step that
+/// the options allow, shortened at events; the others are error-controlled.
 enum class Method { kAuto, kSemiImplicitEuler, kRungeKutta4, kDormandPrince54, kDormandPrince853, kRodas5P };
 
 inline constexpr std::array<Method, 6> kMethods = {Method::kAuto,

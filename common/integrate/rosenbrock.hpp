@@ -58,8 +58,8 @@ struct Rodas5P {
   };
 };
 
-/// The stages of a Rosenbrock step, between ends that someone else holds. Components beyond the first kCoupled are
-/// integrals: they feed nothing back, and follow from the others without a share in the factorisation.
+/// The stages of a Rosenbrock step, whose ends the caller holds. Components beyond the first kCoupled are integrals:
+/// they feed nothing back, and follow from the others without being factorised.
 template <class Tableau, int N, int kCoupled>
 class RosenbrockStages {
  public:
@@ -69,9 +69,9 @@ class RosenbrockStages {
   /// Sets e.y_end and e.slope_end from e.t, e.h, e.y, e.slope.
   template <class Ends, class F>
   void advance(Ends& e, F&& f) {
-    if (!(e.t == at_t_ && e.y == at_y_)) {  // after a rejection the Jacobian stands, until `forget`
+    if (!(e.t == jacobian_t_ && e.y == jacobian_y_)) {  // kept after a rejected step
       f.linearize(e.t, e.y, jacobian_, rate_);
-      at_t_ = e.t, at_y_ = e.y;
+      jacobian_t_ = e.t, jacobian_y_ = e.y;
     }
     constexpr int n = kCoupled;
     const double h = e.h, pivot = 1 / (h * Tableau::gamma);
@@ -81,19 +81,19 @@ class RosenbrockStages {
     State arg;
     for (int i = 0; i < Tableau::kStages; ++i) {
       arg = e.y;
-      State right = (h * Tableau::d[i]) * rate_;
+      State rhs = (h * Tableau::d[i]) * rate_;
       for (int j = 0; j < i; ++j) {
         arg += Tableau::a[i][j] * u_[j];
-        right += (Tableau::coupling[i][j] / h) * u_[j];
+        rhs += (Tableau::coupling[i][j] / h) * u_[j];
       }
       State slope = e.slope;
       if (i > 0) f(e.t + Tableau::c[i] * h, arg, slope);
-      right += slope;
-      u_[i].template head<n>() = lu_.solve(right.template head<n>());
+      rhs += slope;
+      u_[i].template head<n>() = lu_.solve(rhs.template head<n>());
       if constexpr (n < N)
-        u_[i].template tail<N - n>() = (right.template tail<N - n>() +
-                                        jacobian_.template bottomLeftCorner<N - n, n>() * u_[i].template head<n>()) /
-                                       pivot;
+        u_[i].template tail<N - n>() =
+            (rhs.template tail<N - n>() + jacobian_.template bottomLeftCorner<N - n, n>() * u_[i].template head<n>()) /
+            pivot;
     }
     e.y_end = arg + u_[Tableau::kStages - 1];
     f(e.t + h, e.y_end, e.slope_end);
@@ -102,10 +102,10 @@ class RosenbrockStages {
 
   const State& error() const { return u_[Tableau::kStages - 1]; }
 
-  /// The field has jumped: the Jacobian is another, though time and state be the same.
-  void forget() { at_t_ = std::numeric_limits<double>::quiet_NaN(); }
+  /// The field has jumped: the Jacobian is evaluated anew, even at the same time and state.
+  void invalidate() { jacobian_t_ = std::numeric_limits<double>::quiet_NaN(); }
 
-  /// y at the share s of the computed step from y to `end`.
+  /// y at the fraction s of the computed step from y to `end`.
   State at(const State& y, const State& end, double s) const {
     State sum = State::Zero();
     for (int q = Tableau::kDenseTerms - 1; q >= 0; --q) sum = sum * s + dense_[q];
@@ -120,7 +120,7 @@ class RosenbrockStages {
     dense_ready_ = true;
   }
 
-  /// Spectral radius of the last Jacobian, one more power iteration a call [1/s].
+  /// Estimate of the spectral radius of the last Jacobian, refined by one power iteration a call [1/s].
   double spectral_radius() {
     const Eigen::Matrix<double, kCoupled, 1> v =
         jacobian_.template topLeftCorner<kCoupled, kCoupled>() * direction_.template head<kCoupled>();
@@ -131,8 +131,8 @@ class RosenbrockStages {
 
  private:
   Matrix jacobian_;
-  State rate_, at_y_;
-  double at_t_ = std::numeric_limits<double>::quiet_NaN();
+  State rate_, jacobian_y_;
+  double jacobian_t_ = std::numeric_limits<double>::quiet_NaN();
   using Block = Eigen::Matrix<double, kCoupled, kCoupled>;
   Eigen::PartialPivLU<Block> lu_;
   std::array<State, Tableau::kStages> u_;
@@ -146,7 +146,7 @@ class RosenbrockStep : public StepEnds<double, N> {
  public:
   using State = Eigen::Matrix<double, N, 1>;
   static constexpr int error_order() { return Tableau::kErrorOrder; }
-  void forget() { stages_.forget(); }
+  void invalidate() { stages_.invalidate(); }
 
   template <class F>
   void advance(F&& f) {
@@ -162,8 +162,8 @@ class RosenbrockStep : public StepEnds<double, N> {
     stages_.prepare_dense();
   }
   State at(double s) const {
-    const auto place = this->place(s);
-    return this->extended(stages_.at(this->y, this->computed_end(), place.share), place.beyond);
+    const auto point = this->point_at(s);
+    return this->extrapolated(stages_.at(this->y, this->computed_end(), point.fraction), point.excess);
   }
   double component_at(int index, double s) const { return at(s)[index]; }
 

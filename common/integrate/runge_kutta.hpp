@@ -1,12 +1,12 @@
 // One step of an explicit Runge-Kutta method, with its error estimate and its dense output.
 //
 // What every kind of step offers to the driver (hybrid.hpp): t, h, y, y_end, slope, slope_end; `advance` computes the
-// step of length h; `error` its size over the tolerance (0 where the method has no estimate: fixed steps);
-// `prepare_dense`, `at`, `component_at` its interior; `move_end` makes up what its end is off by; `choose` says what to
-// try next; `forget` drops what was kept of a field that has changed.
+// step of length h; `error` its error over the tolerance (0 where the method has no estimate: fixed steps);
+// `prepare_dense`, `at`, `component_at` its interior; `move_end` moves its end to an event; `choose` gives the length
+// to try next; `invalidate` drops cached evaluations of a field that has changed.
 //
-// An accepted step owns its interior: `at(s)` holds for 0 <= s <= 1, from its start to its end, wherever that was moved
-// to, and throws std::logic_error outside: a polynomial beyond its step means nothing.
+// `at(s)` of an accepted step is valid for 0 <= s <= 1, from its start to its end (moved or not), and throws
+// std::logic_error outside: the polynomial is not to be extrapolated.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,17 +21,17 @@
 
 namespace ukemi::integrate {
 
-/// How large an error of each controlled component may be: accuracy (unit + |y|), the larger |y| of the step's ends.
+/// Tolerated error of each controlled component: accuracy (unit + |y|), with the larger |y| of the step's ends.
 template <int kControlled>
 struct Tolerance {
   double accuracy;                            ///< relative
   Eigen::Array<double, kControlled, 1> unit;  ///< size below which a component need not be relatively exact
 };
 
-/// Size of a vector of errors over its tolerances, the worst of its values and its derivatives: root mean square over
-/// the controlled components. Derivatives count kDerivativeEase times more loosely: a field at rest has no error in its
+/// Error over tolerance, root mean square over the controlled components; the largest of values and of each derivative.
+/// The tolerance of derivatives is kDerivativeFactor times larger: a field at rest has no error in its
 /// values whatever the step, while its derivatives may be beyond the method's stability.
-inline constexpr double kDerivativeEase = 1e3;
+inline constexpr double kDerivativeFactor = 1e3;
 template <class State, int kControlled>
 double error_size(const State& error, const State& a, const State& b, const Tolerance<kControlled>& tolerance) {
   using T = typename State::Scalar;
@@ -48,13 +48,13 @@ double error_size(const State& error, const State& a, const State& b, const Tole
   double worst = of([](const T& x) { return value_of(x); });
   if constexpr (kDerivatives < T >> 0)
     for (int slot = 0; slot < kDerivatives<T>; ++slot) {
-      const double e = of([slot](const T& x) { return derivative_of(x, slot); }) / kDerivativeEase;
+      const double e = of([slot](const T& x) { return derivative_of(x, slot); }) / kDerivativeFactor;
       if (!(e <= worst)) worst = e;  // also where it is NaN
     }
   return worst;
 }
 
-/// What all steps share: their ends, and where in the computed length a place of the step lies.
+/// Base of all steps: their ends, and the position of a point of the step in the computed length.
 template <class T, int N>
 struct StepEnds {
   using State = Eigen::Matrix<T, N, 1>;
@@ -68,63 +68,62 @@ struct StepEnds {
 
   /// Begins the next step where this one ends.
   void next() { t += h, y = y_end, slope = slope_end; }
-  /// After a whole accepted step: the length to try next. Methods that change over (automatic.hpp) decide here.
+  /// After a whole accepted step: the length to try next. Methods that switch (automatic.hpp) decide here.
   double choose(double h_next) { return h_next; }
-  /// True where the last step was taken by an implicit method that stands in for an explicit one.
+  /// True where an automatic method took the last step implicitly.
   static constexpr bool implicit() { return false; }
-  /// The field has jumped: nothing that was evaluated of it holds.
-  void forget() {}
-  /// Moves the end by `shift` (much smaller than h) along the field, to where an event lies; slope_end is to be set
-  /// anew. [s]
+  /// The field has jumped: its cached evaluations are invalid.
+  void invalidate() {}
+  /// Moves the end by `shift` (much smaller than h) along the field, to an event; set slope_end afterwards [s].
   void move_end(double shift) {
     computed_end_ = y_end, computed_slope_ = slope_end;
     moved_ = true;
     for (int c = 0; c < N; ++c) add_scaled(y_end[c], shift, slope_end[c]);
     h += shift;
   }
-  /// Where a time of the step lies in it, 0..1; rounding of the time is forgiven. Throws std::logic_error outside.
+  /// Fraction s of the step at a time [s], clamped to 0..1 within rounding. Throws std::logic_error outside.
   double place_of(double time) const {
-    constexpr double kRounding = 1e-9;  // in parts of the step
+    constexpr double kRounding = 1e-9;  // in fractions of the step
     const double s = h > 0 ? (time - t) / h : 0;
-    if (!(s >= -kRounding && s <= 1 + kRounding)) outside();
+    if (!(s >= -kRounding && s <= 1 + kRounding)) throw_outside();
     return std::clamp(s, 0.0, 1.0);
   }
 
  protected:
   /// Begins a computation of length h.
-  void compute() { whole_ = h, moved_ = false; }
+  void compute() { computed_h_ = h, moved_ = false; }
   const State& computed_end() const { return moved_ ? computed_end_ : y_end; }
-  Time whole() const { return whole_; }
+  Time computed_h() const { return computed_h_; }
 
-  /// A place of the step: where in the computed length, 0..1, and how long after its end [s].
-  struct Place {
-    Time share, beyond;
+  /// A point of the step: fraction of the computed length, 0..1, and time after its end [s].
+  struct Point {
+    Time fraction, excess;
   };
-  Place place(const Time& s) const {
+  Point point_at(const Time& s) const {
     if constexpr (kIsPack<T>) {
       return {s, Time(0)};  // lanes are never moved
     } else {
-      if (!(s >= 0 && s <= 1)) outside();
+      if (!(s >= 0 && s <= 1)) throw_outside();
       if (!moved_) return {s, 0};
       const double from_start = s * h;
-      return from_start <= whole_ ? Place{from_start / whole_, 0} : Place{1, from_start - whole_};
+      return from_start <= computed_h_ ? Point{from_start / computed_h_, 0} : Point{1, from_start - computed_h_};
     }
   }
-  /// Beyond the computed end the step goes on along the field.
-  State extended(State x, const Time& beyond) const {
+  /// After the computed end the step continues linearly along the field.
+  State extrapolated(State x, const Time& excess) const {
     if constexpr (!kIsPack<T>)
-      if (beyond > 0)
-        for (int c = 0; c < N; ++c) add_scaled(x[c], beyond, computed_slope_[c]);
+      if (excess > 0)
+        for (int c = 0; c < N; ++c) add_scaled(x[c], excess, computed_slope_[c]);
     return x;
   }
-  [[noreturn, gnu::cold]] static void outside() {
+  [[noreturn, gnu::cold]] static void throw_outside() {
     throw std::logic_error("bug: dense output was asked for outside of its step");
   }
 
  private:
-  Time whole_{0};                        ///< the length that was computed
-  bool moved_ = false;                   ///< the end is not where it was computed
-  State computed_end_, computed_slope_;  ///< where it was, and f there, if so
+  Time computed_h_{0};                   ///< the length h that was computed
+  bool moved_ = false;                   ///< whether `move_end` moved the end
+  State computed_end_, computed_slope_;  ///< computed end and f there, if so
 };
 
 /// The stages of one attempted step from (t, y) over h.
@@ -165,23 +164,24 @@ class Step : public StepEnds<T, N> {
     return Tableau::error_norm(size, tolerance.accuracy);
   }
 
-  /// |h lambda| of the first components between the last two stages, which stand at the same time (Hairer, Wanner,
-  /// IV.2).
+  /// |h lambda| of the first components, estimated from the last two stages, which are at the same time (Hairer,
+  /// Wanner, IV.2).
   double stiffness(int components) const {
     double change = 0, distance = 0;
     for (int i = 0; i < components; ++i) {
-      const double dk = value_of(k_[kLast][i]) - value_of(k_[kLast - 1][i]), dy = value_of(y_end[i]) - before_last(i);
+      const double dk = value_of(k_[kLast][i]) - value_of(k_[kLast - 1][i]),
+                   dy = value_of(y_end[i]) - second_last_state(i);
       change += dk * dk, distance += dy * dy;
     }
     return distance > 0 ? h * std::sqrt(change / distance) : 0;
   }
 
-  /// Evaluates the further stages that dense output needs, once a step.
+  /// Evaluates the additional stages of dense output, once a step.
   template <class F>
   void prepare_dense(F&& f) {
     if (dense_ready_) return;
     const Time moved = h;
-    h = this->whole();
+    h = this->computed_h();
     stages<Tableau::kStages, Tableau::kDenseStages>(f);
     h = moved;
     dense_ready_ = true;
@@ -189,25 +189,25 @@ class Step : public StepEnds<T, N> {
 
   /// y(t + s h), 0 <= s <= 1; `prepare_dense` first.
   State at(const Time& s) const {
-    const auto place = this->place(s);
+    const auto point = this->point_at(s);
     State sum;
     for (int c = 0; c < N; ++c) sum[c] = T(0);
-    for_weights(place.share, [&](int i, const Time& b) {
+    for_weights(point.fraction, [&](int i, const Time& b) {
       for (int c = 0; c < N; ++c) add_scaled(sum[c], b, k_[i][c]);
     });
     State out = y;
-    for (int c = 0; c < N; ++c) add_scaled(out[c], this->whole(), sum[c]);
-    return this->extended(out, place.beyond);
+    for (int c = 0; c < N; ++c) add_scaled(out[c], this->computed_h(), sum[c]);
+    return this->extrapolated(out, point.excess);
   }
   /// One component of `at`.
   T component_at(int index, const Time& s) const {
-    const auto place = this->place(s);
+    const auto point = this->point_at(s);
     if constexpr (!kIsPack<T>)
-      if (place.beyond > 0) return at(s)[index];
+      if (point.excess > 0) return at(s)[index];
     T sum(0);
-    for_weights(place.share, [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
+    for_weights(point.fraction, [&](int i, const Time& b) { add_scaled(sum, b, k_[i][index]); });
     T out = y[index];
-    add_scaled(out, this->whole(), sum);
+    add_scaled(out, this->computed_h(), sum);
     return out;
   }
 
@@ -216,8 +216,8 @@ class Step : public StepEnds<T, N> {
   State stage_;
   bool dense_ready_ = false;
 
-  /// The state that the last stage but one was evaluated at, one component of it.
-  double before_last(int i) const {
+  /// Component i of the state at which the last stage but one was evaluated.
+  double second_last_state(int i) const {
     double x = 0;
     for (int j = 0; j < kLast - 1; ++j) x += Tableau::a[kLast - 1][j] * value_of(k_[j][i]);
     return value_of(y[i]) + h * x;
@@ -228,21 +228,21 @@ class Step : public StepEnds<T, N> {
   void stages(F& f) {
     if constexpr (kFirst < kEnd) {
       constexpr auto kRow = [](int j) { return Tableau::a[kFirst][j]; };
-      State& at_stage = kFirst == kLast ? y_end : stage_;
+      State& stage_state = kFirst == kLast ? y_end : stage_;
       if constexpr (kDerivatives < T >> 0) {
         const State sum = combined<kRow, kFirst - 1>();
-        at_stage = y;
-        for (int c = 0; c < N; ++c) add_scaled(at_stage[c], h, sum[c]);
+        stage_state = y;
+        for (int c = 0; c < N; ++c) add_scaled(stage_state[c], h, sum[c]);
       } else {
-        at_stage = y + T(h) * combined<kRow, kFirst - 1>();
+        stage_state = y + T(h) * combined<kRow, kFirst - 1>();
       }
-      f(t + Time(Tableau::c[kFirst]) * h, at_stage, k_[kFirst]);
+      f(t + Time(Tableau::c[kFirst]) * h, stage_state, k_[kFirst]);
       stages<kFirst + 1, kEnd>(f);
     }
   }
 
-  /// sum_j w(j) k_j, j <= kJ, as one expression: a single pass, with the zeros of the tableau left out. With
-  /// derivatives, weights that carry none.
+  /// sum_j w(j) k_j, j <= kJ, as one expression: a single pass without the zeros of the tableau. The weights
+  /// carry no derivatives.
   template <auto kWeight, int kJ>
   auto combined() const {
     if constexpr (kDerivatives < T >> 0) {
@@ -264,12 +264,12 @@ class Step : public StepEnds<T, N> {
       return combined<kWeight, kJ - 1>() + T(kWeight(kJ)) * k_[kJ];
   }
 
-  template <class Use>
-  static void for_weights(const Time& s, Use&& use) {
+  template <class Visit>
+  static void for_weights(const Time& s, Visit&& visit) {
     for (int i = 0; i < Tableau::kDenseStages; ++i) {
       Time b(0);
       for (int d = Tableau::kDenseDegree - 1; d >= 0; --d) b = b * s + Time(Tableau::p[i][d]);
-      use(i, b * s);
+      visit(i, b * s);
     }
   }
 };

@@ -14,7 +14,7 @@
 
 namespace ukemi::integrate {
 
-/// dt*/dp of the event of a guard that falls at `rate` [1/s] there; not finite where it is met at no speed.
+/// dt*/dp of the event of a guard that falls at `rate` [1/s] there; not finite where `rate` is 0.
 template <int P>
 Eigen::Matrix<double, P, 1> event_shift(const ceres::Jet<double, P>& guard, double rate) {
   return guard.v / -rate;
@@ -26,8 +26,8 @@ template <class State, class Values, class Shift>
 void saltate(State& y, const Values& before, const Values& after, const Shift& shift) {
   for (int k = 0; k < y.size(); ++k) y[k].v += (before[k] - after[k]) * shift;
 }
-/// Where it does: derivatives at a fixed time to those along a time that moves by `shift`, y being at the rate `slope`
-/// there; by -shift back. Between the two the state takes its jump, as a function of itself.
+/// Where the state jumps: from derivatives at a fixed time to those at the event's time, which moves by `shift`;
+/// `slope`: dy/dt there. Apply the jump to the state, then move back by -shift.
 template <class State, class Values, class Shift>
 void move_along(State& y, const Values& slope, const Shift& shift) {
   for (int k = 0; k < y.size(); ++k) y[k].v += slope[k] * shift;

@@ -5,8 +5,8 @@
 
 namespace ukemi::integrate {
 
-/// v_1 = v + h a(t, q, v), q_1 = q + h v_1; order 1. The first `positions` components of the state are q, as many
-/// follow that are v; what follows them advances by the explicit Euler rule. Inside a step it is linear.
+/// v_1 = v + h a(t, q, v), q_1 = q + h v_1; order 1. The first kPositions components of the state are q, the next
+/// kPositions v; the others advance by the explicit Euler rule. Dense output is linear.
 /// Source: E. Hairer, C. Lubich, G. Wanner, Geometric Numerical Integration, 2nd ed. (2006), I.1.
 struct SemiImplicitEuler {
   static constexpr const char* kName = "semi_implicit_euler";
@@ -35,8 +35,8 @@ class SemiImplicitEulerStep : public StepEnds<T, N> {
   template <class F>
   void prepare_dense(F&&) {}
   State at(double s) const {
-    const auto place = this->place(s);
-    return this->extended(this->y + T(place.share) * (this->computed_end() - this->y), place.beyond);
+    const auto point = this->point_at(s);
+    return this->extrapolated(this->y + T(point.fraction) * (this->computed_end() - this->y), point.excess);
   }
   T component_at(int i, double s) const { return at(s)[i]; }
 };

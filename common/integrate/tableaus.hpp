@@ -3,10 +3,10 @@
 // A pair advances y' = f(t, y) by   k_i = f(t + c_i h, y + h sum_j a_ij k_j),   y_1 = y + h sum_j b_j k_j.
 // Conventions of this file:
 //   - "first same as last": row kStages - 1 of `a` is b, so the last stage is f at the step's end;
-//   - rows kStages .. kDenseStages - 1 are evaluated only when the interior of a step is asked for;
+//   - rows kStages .. kDenseStages - 1 are evaluated only when the interior of a step is needed;
 //   - dense output: y(t + s h) = y + h sum_i b_i(s) k_i with b_i(s) = sum_d p[i][d] s^(d+1), 0 <= s <= 1;
-//   - `e` are the weights of the embedded differences (none: a fixed step), which `error_norm` combines into the number
-//     that the step control holds below 1; both are in units of the tolerance.
+//   - `e` are the weights of the embedded error estimates (none: a fixed step), which `error_norm` combines into the
+//     error that the step control keeps below 1; both are in units of the tolerance.
 // Tests: test/convergence/order.cpp (order, dense order, exactness on polynomials).
 #pragma once
 
@@ -184,8 +184,8 @@ struct DormandPrince853 {
   }();
   /// Hairer's combination, an estimate of eighth order by the ratio of the two. In a step too long for either, such as
   /// the first after a jump of the field, it is a small quotient of two large numbers and means nothing: the
-  /// fifth-order estimate itself must stay below kFifth tolerances, which at an accuracy of 1e-9 is thrice what it is
-  /// in steps that the combination rightly accepts; there it grows as accuracy^(-1/4).
+  /// fifth-order estimate itself must stay below kFifth tolerances at an accuracy of 1e-9, three times its value in
+  /// steps that the combination rightly accepts; that value grows as accuracy^(-1/4).
   static double error_norm(const std::array<double, kEstimates>& estimate, double accuracy) {
     constexpr double kFifth = 100, kAt = 1e-9;
     const double fifth = estimate[0], denominator = std::hypot(fifth, 0.1 * estimate[1]);

@@ -19,8 +19,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 using Candidate = ProposedHit;
 
-/// Looks a hit over: what it tells where it is safe.
-Candidate look(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
+/// Assesses a hit: its safety and, where safe, its information.
+Candidate assess(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
   Candidate c{hit, safety_of(rig, k, hit, o), {}};
   if (!c.safety.safe()) return c;
   if (auto information = information_of(rig, k.sea, k.constants, blank_log(hit, o.log), o.log.noise))
@@ -30,8 +30,8 @@ Candidate look(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignO
   return c;
 }
 
-/// The grid, a width after the other, peaks ascending; in each width the strongest hit that is safe too, for the best
-/// hits lie where the budget ends.
+/// The grid, width by width, peaks ascending; then the strongest safe hit of each width, because the best hits lie at
+/// the edge of the budget.
 std::vector<Candidate> grid(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
   const HitBudget& b = o.budget;
   const int widths = b.min_width < b.max_width ? o.widths : 1;
@@ -40,7 +40,7 @@ std::vector<Candidate> grid(const Rig& rig, const Knowledge& k, const DesignOpti
   };
   std::vector<Candidate> out(std::size_t(widths * o.peaks));
   parallel_for(int(out.size()), o.threads, [&](int i) {
-    out[std::size_t(i)] = look(rig, k, {b.peak * (i % o.peaks + 1) / o.peaks, width(i / o.peaks)}, o);
+    out[std::size_t(i)] = assess(rig, k, {b.peak * (i % o.peaks + 1) / o.peaks, width(i / o.peaks)}, o);
   });
   std::vector<std::optional<Candidate>> strongest(std::size_t(widths), std::nullopt);
   parallel_for(widths, o.threads, [&](int w) {
@@ -52,10 +52,10 @@ std::vector<Candidate> grid(const Rig& rig, const Knowledge& k, const DesignOpti
     constexpr int kBisections = 8;
     for (int i = 0; i < kBisections; ++i) {
       const double middle = 0.5 * (low + high);
-      Candidate c = look(rig, k, {middle, width(w)}, o);
-      const bool holds = c.safety.safe();
-      (holds ? low : high) = middle;
-      if (holds) strongest[std::size_t(w)] = std::move(c);
+      Candidate c = assess(rig, k, {middle, width(w)}, o);
+      const bool safe_hit = c.safety.safe();
+      (safe_hit ? low : high) = middle;
+      if (safe_hit) strongest[std::size_t(w)] = std::move(c);
     }
   });
   for (const auto& c : strongest)
@@ -65,36 +65,37 @@ std::vector<Candidate> grid(const Rig& rig, const Knowledge& k, const DesignOpti
 
 using Set = std::vector<Candidate>;
 
-MatrixXd total(const MatrixXd& in_hand, const Set& set) {
-  MatrixXd sum = in_hand;
+MatrixXd total(const MatrixXd& prior, const Set& set) {
+  MatrixXd sum = prior;
   for (const Candidate& c : set) sum += c.information;
   return sum;
 }
-double size_with(const MatrixXd& in_hand, const Set& set, std::size_t k, const Candidate& instead, Criterion by) {
-  MatrixXd sum = in_hand;
-  for (std::size_t i = 0; i < set.size(); ++i) sum += i == k ? instead.information : set[i].information;
-  return size_of(by, sum);
+double criterion_with(const MatrixXd& prior, const Set& set, std::size_t k, const Candidate& other,
+                      Criterion criterion) {
+  MatrixXd sum = prior;
+  for (std::size_t i = 0; i < set.size(); ++i) sum += i == k ? other.information : set[i].information;
+  return criterion_value(criterion, sum);
 }
 
-/// Improvements below it are rounding.
+/// A smaller relative improvement is rounding.
 constexpr double kBetter = 1 - 1e-9;
 
-/// One hit after the other, then each exchanged for any other while that helps (Fedorov's exchange).
-Set choose(const MatrixXd& in_hand, const Set& pool, const DesignOptions& o) {
+/// Greedy choice of one hit after the other, then exchanges while they improve the criterion (Fedorov's exchange).
+Set choose(const MatrixXd& prior, const Set& pool, const DesignOptions& o) {
   Set set;
   for (int h = 0; h < o.hits; ++h) {
-    const MatrixXd sum = total(in_hand, set);
+    const MatrixXd sum = total(prior, set);
     const Candidate* best = &pool.front();
-    double least = kInfinite;
+    double lowest = kInfinite;
     for (const Candidate& c : pool)
-      if (const double s = size_of(o.criterion, sum + c.information); s < least) least = s, best = &c;
+      if (const double s = criterion_value(o.criterion, sum + c.information); s < lowest) lowest = s, best = &c;
     set.push_back(*best);
   }
   for (bool improved = true; improved;) {
     improved = false;
     for (std::size_t k = 0; k < set.size(); ++k)
       for (const Candidate& c : pool)
-        if (size_with(in_hand, set, k, c, o.criterion) < kBetter * size_of(o.criterion, total(in_hand, set)))
+        if (criterion_with(prior, set, k, c, o.criterion) < kBetter * criterion_value(o.criterion, total(prior, set)))
           set[k] = c, improved = true;
   }
   return set;
@@ -111,11 +112,12 @@ void polish(const Rig& rig, const Knowledge& k, const DesignOptions& o, Set& set
   };
   const auto improve = [&](std::size_t h, const Hit& hit) {
     if (hit.peak <= 0 || (hit.peak == set[h].hit.peak && hit.width == set[h].hit.width)) return false;
-    // What it tells first: most moves tell less, and the safety of a hit costs more.
-    const auto tells = information_of(rig, k.sea, k.constants, blank_log(hit, o.log), o.log.noise);
-    if (!tells) return false;
-    Candidate c{hit, {}, *tells};
-    if (size_with(k.information, set, h, c, o.criterion) >= kBetter * size_of(o.criterion, total(k.information, set)))
+    // Information first: most moves reduce it, and the safety of a hit costs more.
+    const auto information = information_of(rig, k.sea, k.constants, blank_log(hit, o.log), o.log.noise);
+    if (!information) return false;
+    Candidate c{hit, {}, *information};
+    if (criterion_with(k.information, set, h, c, o.criterion) >=
+        kBetter * criterion_value(o.criterion, total(k.information, set)))
       return false;
     c.safety = safety_of(rig, k, hit, o);
     if (!c.safety.safe()) return false;
@@ -138,30 +140,30 @@ bool another_kind(const Hit& a, const Hit& b, const HitBudget& budget) {
 }
 
 /// Sets with one hit replaced by another kind, best first, each of another kind than those before it.
-std::vector<RunnerUp> runners_up(const MatrixXd& in_hand, const Set& set, const Set& pool, const DesignOptions& o) {
+std::vector<RunnerUp> runners_up(const MatrixXd& prior, const Set& set, const Set& pool, const DesignOptions& o) {
   constexpr std::size_t kShown = 5;
   struct Swap {
     double size;
     std::size_t k;
-    const Candidate* instead;
+    const Candidate* replacement;
   };
   std::vector<Swap> swaps;
   for (std::size_t k = 0; k < set.size(); ++k)
     for (const Candidate& c : pool)
       if (another_kind(c.hit, set[k].hit, o.budget))
-        swaps.push_back({size_with(in_hand, set, k, c, o.criterion), k, &c});
+        swaps.push_back({criterion_with(prior, set, k, c, o.criterion), k, &c});
   std::stable_sort(swaps.begin(), swaps.end(), [](const Swap& a, const Swap& b) { return a.size < b.size; });
   std::vector<Swap> kept;
   for (const Swap& s : swaps) {
     if (kept.size() == kShown || !std::isfinite(s.size)) break;
     if (std::all_of(kept.begin(), kept.end(),
-                    [&](const Swap& q) { return another_kind(q.instead->hit, s.instead->hit, o.budget); }))
+                    [&](const Swap& q) { return another_kind(q.replacement->hit, s.replacement->hit, o.budget); }))
       kept.push_back(s);
   }
   std::vector<RunnerUp> out;
   for (const Swap& s : kept) {
     RunnerUp r{{}, s.size};
-    for (std::size_t k = 0; k < set.size(); ++k) r.hits.push_back(k == s.k ? s.instead->hit : set[k].hit);
+    for (std::size_t k = 0; k < set.size(); ++k) r.hits.push_back(k == s.k ? s.replacement->hit : set[k].hit);
     out.push_back(r);
   }
   return out;
@@ -185,9 +187,9 @@ void DesignOptions::validate() const {
   positive("noise", log.noise, "rad");
   require(log.duration > log.start + budget.max_width, "duration", log.duration,
           fmt::format("the log must go on after the hit, which ends at {} s", shortest(log.start + budget.max_width)));
-  require(log.rate * budget.min_width >= HitLog::kFewest, "rate", log.rate,
+  require(log.rate * budget.min_width >= HitLog::kMinPulseSamples, "rate", log.rate,
           fmt::format("a pulse of {} s needs at least {} samples, or the log loses part of the impulse",
-                      shortest(budget.min_width), HitLog::kFewest));
+                      shortest(budget.min_width), HitLog::kMinPulseSamples));
   require(hits >= 1 && hits <= 20, "hits", hits, "must lie between 1 and 20");
   require(peaks >= 1 && widths >= 2 && draws >= 0, "grid", peaks, "at least one peak, two widths, no draws below 0");
 }
@@ -196,7 +198,7 @@ Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
   rig.validate(), k.validate(), o.validate();
   Design out;
   out.before = half_widths(k.information, k.measurements);
-  out.size_before = out.size_after = size_of(o.criterion, k.information);
+  out.size_before = out.size_after = criterion_value(o.criterion, k.information);
   out.information = k.information, out.after = out.before;
   if (!covariance_of(k.information)) {
     out.status = Design::Status::kNotDetermined;
@@ -228,14 +230,14 @@ Design design(const Rig& rig, const Knowledge& k, const DesignOptions& o) {
   out.runners_up = runners_up(k.information, set, pool, o);
   out.information = total(k.information, set);
   out.after = half_widths(out.information, k.measurements);
-  out.size_after = size_of(o.criterion, out.information);
-  const auto turn = [&](Hit& hit, std::size_t place) {
-    if (o.budget.directions == HitBudget::Directions::kAlternate && place % 2 == 1) hit.peak = -hit.peak;
+  out.size_after = criterion_value(o.criterion, out.information);
+  const auto alternate = [&](Hit& hit, std::size_t index) {
+    if (o.budget.directions == HitBudget::Directions::kAlternate && index % 2 == 1) hit.peak = -hit.peak;
   };
-  for (std::size_t i = 0; i < set.size(); ++i) turn(set[i].hit, i);
+  for (std::size_t i = 0; i < set.size(); ++i) alternate(set[i].hit, i);
   out.hits = std::move(set);
   for (RunnerUp& r : out.runners_up)
-    for (std::size_t i = 0; i < r.hits.size(); ++i) turn(r.hits[i], i);
+    for (std::size_t i = 0; i < r.hits.size(); ++i) alternate(r.hits[i], i);
   return out;
 }
 

@@ -1,6 +1,6 @@
-// Which hit to try next: half-sine hits, chosen by what they will tell of the constants
-// (identify/design/information.hpp), one rollout a hit. The model is odd in the force: a hit and its mirror tell the
-// same. Tests: test/unit/design.cpp, test/regression/design.cpp.
+// Experiment design: the half-sine hits to try next, chosen by their Fisher information of the constants
+// (identify/design/information.hpp), one rollout a hit. The model is odd in the force: a hit and its mirror image have
+// the same information. Tests: test/unit/design.cpp, test/regression/design.cpp.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace ukemi::identify {
 
-/// F_e(t) = peak sin(pi (t - start) / width) while it lasts, else 0.
+/// F_e(t) = peak sin(pi (t - start) / width) for `width` from `start` on, else 0.
 struct Hit {
   double peak = 0;   ///< [N]; below 0: the other direction
   double width = 0;  ///< [s], > 0
@@ -32,22 +32,22 @@ struct HitLog {
   double start = 0.05;  ///< of the hit [s]
   double noise = 0;     ///< standard deviation of an angle [rad], > 0
   enum class Outputs { kLink, kLinkAndMotor } outputs = Outputs::kLink;
-  void validate() const;             ///< throws InputError: at most a million samples, which begin before the hit
-  static constexpr int kFewest = 8;  ///< samples in a pulse: with fewer the log biases the fit
+  void validate() const;  ///< throws InputError: at most a million samples, which begin before the hit
+  static constexpr int kMinPulseSamples = 8;  ///< samples in a pulse: fewer bias the fit
 };
 
 /// The log that a hit will leave (InputError where width, rate or duration are not above 0), force as sampled; angles,
 /// not measured yet, are 0.
 Trial blank_log(const Hit& hit, const HitLog& log);
 
-/// How near a hit comes to what it must not do: at the estimate, and over the 95 % ellipsoid about it (its axes'
-/// ends, the end where the angle grows fastest, drawn points of its surface).
+/// How close a hit comes to the budget's largest angle: at the estimate, and over the 95 % ellipsoid about it (its
+/// axes' ends, the point where the angle grows fastest, drawn points of its surface).
 struct HitSafety {
   enum class Outcome { kSafe, kTooFar, kEscapes } outcome = Outcome::kSafe;  ///< kEscapes: somewhere, or diverges
   double angle = 0;                                                          ///< largest |phi_1| at the estimate [rad]
-  double worst_angle = 0;  ///< over the ellipsoid [rad]; of what was looked at where not safe
+  double worst_angle = 0;  ///< over the ellipsoid [rad]; over the points so far where not safe
   double torque = 0;       ///< largest |tau'| at the estimate, before the limit [Nm]
-  double limited = 0;      ///< how long the torque limit acts there [s]
+  double limited = 0;      ///< duration of the torque limit there [s]
   bool safe() const { return outcome == Outcome::kSafe; }
 };
 const char* name(HitSafety::Outcome outcome);
@@ -67,14 +67,14 @@ struct DesignOptions {
 /// Whether the hit stays within `budget.angle` wherever the constants may lie. `knowledge` must be determined.
 HitSafety safety_of(const Rig& rig, const Knowledge& knowledge, const Hit& hit, const DesignOptions& options);
 
-/// A hit that was looked over.
+/// A hit that was assessed.
 struct ProposedHit {
   Hit hit;
   HitSafety safety;
   Eigen::MatrixXd information;  ///< where it is safe
 };
 
-/// Another set, and how good it is.
+/// An alternative set and its criterion.
 struct RunnerUp {
   std::vector<Hit> hits;
   double size = 0;
@@ -82,9 +82,9 @@ struct RunnerUp {
 
 struct Design {
   enum class Status { kDone, kNotDetermined, kNoSafeHit } status = Status::kDone;
-  std::string message;            ///< why not kDone
-  std::vector<ProposedHit> hits;  ///< as many as asked for, or none
-  Eigen::MatrixXd information;    ///< in hand and to come
+  std::string message;            ///< why it is not kDone
+  std::vector<ProposedHit> hits;  ///< as many as requested, or none
+  Eigen::MatrixXd information;    ///< of the knowledge and the hits
   Eigen::VectorXd before, after;  ///< relative 95 % half-widths, in the order of Knowledge::constants
   double size_before = 0, size_after = 0;
   std::vector<RunnerUp> runners_up;               ///< best first; one hit of the set replaced by another kind
@@ -104,14 +104,14 @@ struct DesignCheck {
     int covered = 0;        ///< refits whose 95 % interval holds the truth
   };
   std::vector<Constant> constants;  ///< in the order of Knowledge::constants
-  int repeats = 0;                  ///< that converged
+  int repeats = 0;                  ///< number that converged
   int failed = 0;
   bool agrees = false;  ///< no refit failed; scatter and coverage are what chance allows (at 0.1 %, each constant)
 };
 
-/// Simulates `trials` and the hits at the estimate with the log's noise, refits, `repeats` times. Without trials the
-/// knowledge in hand is drawn as an estimate of its own and joined to the fit of the hits by their informations.
-/// Repeat r belongs to (seed, r).
+/// Simulates `trials` and the hits at the estimate with the log's noise and refits, `repeats` times. Without trials the
+/// prior knowledge is drawn as an independent estimate and combined with the fit of the hits, weighted by information.
+/// Repeat r draws from the random stream (seed, r).
 DesignCheck check(const Rig& rig, const Knowledge& knowledge, const std::vector<Trial>& trials,
                   const std::vector<Hit>& hits, const DesignOptions& options, int repeats);
 

@@ -20,21 +20,21 @@ struct Repeat {
   VectorXd error, half_width;
 };
 
-struct Measured {
+struct Simulated {
   Trial log;
   std::vector<double> phi, phi_m;  ///< without noise
 };
 
-Trial measured(const Measured& e, double noise, Random& random) {
+Trial with_noise(const Simulated& e, double noise, Random& random) {
   Trial log = e.log;
   for (std::size_t i = 0; i < log.phi.size(); ++i) log.phi[i] = e.phi[i] + noise * random.normal();
   for (std::size_t i = 0; i < log.phi_motor.size(); ++i) log.phi_motor[i] = e.phi_m[i] + noise * random.normal();
   return log;
 }
 
-/// The probability that at most `k` of n intervals of 95 % hold the truth.
-double at_most(int k, int n) {
-  double term = std::pow(0.95, n), sum = 0;  // all n hold it
+/// The probability that at most `k` of n intervals of 95 % cover the truth.
+double coverage_probability(int k, int n) {
+  double term = std::pow(0.95, n), sum = 0;  // all n cover it
   for (int missed = 0; missed <= n; ++missed) {
     if (n - missed <= k) sum += term;
     term *= double(n - missed) / (missed + 1) * 0.05 / 0.95;
@@ -57,9 +57,9 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   rig.validate(), k.validate(), o.validate();
   for (const Trial& t : trials) t.validate();
   check_count("repeats", repeats, 0, 1'000'000);
-  std::vector<Measured> experiments;
+  std::vector<Simulated> experiments;
   const auto prepare = [&](Trial log) {
-    Measured e{std::move(log), {}, {}};
+    Simulated e{std::move(log), {}, {}};
     const PreparedTrial prepared(e.log);
     if (rollout(rig, k.sea, {}, prepared, {}, e.phi, e.phi_m) == RolloutStatus::kDone)
       experiments.push_back(std::move(e));
@@ -68,7 +68,7 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   MatrixXd information = k.information;
   for (const Hit& h : hits) {
     const Trial log = blank_log(h, o.log);
-    if (const auto tells = information_of(rig, k.sea, k.constants, log, o.log.noise)) information += *tells;
+    if (const auto added = information_of(rig, k.sea, k.constants, log, o.log.noise)) information += *added;
     prepare(log);
   }
 
@@ -76,17 +76,17 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   const auto u = ukemi::constants(k.sea);
   VectorXd value(n);
   for (long i = 0; i < n; ++i) value[i] = u[std::size_t(k.constants[std::size_t(i)])];
-  FitOptions fit_options{.restarts = 0, .errors = FitOptions::Errors::kOfNoise};
+  FitOptions fit_options{.restarts = 0, .errors = FitOptions::Errors::kNoiseOnly};
   fit_options.terms.free.clear();
   for (const int c : k.constants) fit_options.terms.free.push_back(kConstantNames[std::size_t(c)]);
-  const MatrixXd in_hand = covariance_of(k.information).value_or(MatrixXd::Zero(n, n));
-  const Eigen::LLT<MatrixXd> root(in_hand);
+  const MatrixXd prior_covariance = covariance_of(k.information).value_or(MatrixXd::Zero(n, n));
+  const Eigen::LLT<MatrixXd> root(prior_covariance);
 
   std::vector<std::optional<Repeat>> done(std::size_t(repeats), std::nullopt);
   parallel_for(repeats, o.threads, [&](int r) {
     Random random(o.seed, std::uint64_t(r));
     std::vector<Trial> logs;
-    for (const Measured& e : experiments) logs.push_back(measured(e, o.log.noise, random));
+    for (const Simulated& e : experiments) logs.push_back(with_noise(e, o.log.noise, random));
     const Fit f = fit(rig, logs, k.sea, k.sea, fit_options);
     if (!f.converged || !eigen(f.covariance).allFinite()) return;
     Repeat out{VectorXd(n), VectorXd(n)};
@@ -100,9 +100,9 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
       const VectorXd drawn = root.matrixL() * z;
       const auto of_hits = covariance_of(covariance);  // the inverse, either way
       if (!of_hits) return;
-      const auto joined = covariance_of(k.information + *of_hits);
-      if (!joined) return;
-      covariance = *joined;
+      const auto combined = covariance_of(k.information + *of_hits);
+      if (!combined) return;
+      covariance = *combined;
       out.error = covariance * (k.information * drawn + *of_hits * out.error);
     }
     out.half_width = f.half_width * covariance.diagonal().cwiseSqrt();
@@ -131,7 +131,7 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
     if (c.repeats == 0) break;
     q.scatter = std::sqrt(q.scatter / c.repeats), q.half_width /= c.repeats;
     const double ratio = q.scatter / q.predicted;
-    c.agrees = c.agrees && plausible(ratio * ratio, c.repeats) && at_most(q.covered, c.repeats) > 1e-3;
+    c.agrees = c.agrees && plausible(ratio * ratio, c.repeats) && coverage_probability(q.covered, c.repeats) > 1e-3;
   }
   return c;
 }

@@ -20,11 +20,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 SeaParameters<double> scaled(const Knowledge& k, const VectorXd& relative) {
-  constexpr double kLeast = 1e-6;  // of a constant: none is below 0
+  constexpr double kMinFactor = 1e-6;  // of a constant: keeps it above 0
   SeaParameters<double> sea = k.sea;
   auto u = ukemi::constants(sea);
   for (std::size_t i = 0; i < k.constants.size(); ++i)
-    u[std::size_t(k.constants[i])] *= std::max(1 + relative[long(i)], kLeast);
+    u[std::size_t(k.constants[i])] *= std::max(1 + relative[long(i)], kMinFactor);
   set_constants(sea, u);
   return sea;
 }
@@ -39,8 +39,8 @@ const char* name(HitSafety::Outcome outcome) {
 void HitLog::validate() const {
   check_positive("rate", rate), check_positive("duration", duration);
   check_not_negative("start", start), check_not_negative("noise", noise);
-  constexpr double kMost = 1e6;
-  if (!(rate * duration <= kMost))
+  constexpr double kMaxSamples = 1e6;
+  if (!(rate * duration <= kMaxSamples))
     throw InputError(fmt::format("rate: {}: at most a million samples a log", shortest(rate)));
 }
 
@@ -61,8 +61,8 @@ Trial blank_log(const Hit& hit, const HitLog& log) {
 
 namespace {
 
-/// More closely and longer than it will be logged: the hit itself, not its samples, moves the link.
-HitLog watched(const HitLog& log, const Hit& hit) {
+/// A finer and longer log than the real one: the hit itself, not its samples, moves the link.
+HitLog fine_log(const HitLog& log, const Hit& hit) {
   constexpr double kSamplesInPulse = 40, kLongEnough = 1;
   HitLog out = log;
   out.rate = std::max(log.rate, kSamplesInPulse / hit.width);
@@ -91,8 +91,8 @@ MatrixXd confidence_axes(const Knowledge& k) {
   return radius * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
 }
 
-/// Where on the ellipsoid the largest angle grows fastest, C g / sqrt(g' C g), in parts of the axes; none where it does
-/// not grow, or is not known.
+/// The point of the ellipsoid where the largest angle grows fastest, C g / sqrt(g' C g), in units of the axes; none
+/// where the gradient g is 0, or the rollout fails.
 std::optional<VectorXd> steepest(const Rig& rig, const Knowledge& k, const PreparedTrial& hit, const MatrixXd& axes) {
   thread_local std::vector<ConstantJet> dphi, dphi_m;
   if (differentiate(rig, k.sea, k.constants, hit, dphi, dphi_m) != RolloutStatus::kDone) return std::nullopt;
@@ -108,12 +108,12 @@ std::optional<VectorXd> steepest(const Rig& rig, const Knowledge& k, const Prepa
 HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const DesignOptions& o) {
   rig.validate(), k.validate(), o.validate();
   check_finite("peak", hit.peak), check_positive("width", hit.width);
-  const HitLog close = watched(o.log, hit);
-  const Trial trial = blank_log(hit, close);
+  const HitLog fine = fine_log(o.log, hit);
+  const Trial trial = blank_log(hit, fine);
   const PreparedTrial prepared(trial);
   HitSafety out;
   thread_local std::vector<double> phi, phi_m;
-  const auto stays = [&](const SeaParameters<double>& sea) {
+  const auto is_safe = [&](const SeaParameters<double>& sea) {
     if (rollout(rig, sea, {}, prepared, {}, phi, phi_m) != RolloutStatus::kDone) {
       out.outcome = HitSafety::Outcome::kEscapes;
       return false;
@@ -122,23 +122,23 @@ HitSafety safety_of(const Rig& rig, const Knowledge& k, const Hit& hit, const De
     if (out.worst_angle > o.budget.angle) out.outcome = HitSafety::Outcome::kTooFar;
     return out.safe();
   };
-  const bool safe = stays(k.sea);
+  const bool safe = is_safe(k.sea);
   out.angle = out.worst_angle;
   if (!safe) return out;
-  add_spring_torque(phi, phi_m, k.sea, close.rate, out);
+  add_spring_torque(phi, phi_m, k.sea, fine.rate, out);
 
   const MatrixXd axes = confidence_axes(k);
-  const auto stays_at = [&](const VectorXd& place) { return stays(scaled(k, axes * place)); };
-  if (const auto place = steepest(rig, k, prepared, axes); place && !stays_at(*place)) return out;
+  const auto is_safe_at = [&](const VectorXd& point) { return is_safe(scaled(k, axes * point)); };
+  if (const auto point = steepest(rig, k, prepared, axes); point && !is_safe_at(*point)) return out;
   const long n = axes.rows();
   for (long a = 0; a < n; ++a)
     for (const double sign : {1.0, -1.0})
-      if (!stays(scaled(k, sign * axes.col(a)))) return out;
+      if (!is_safe(scaled(k, sign * axes.col(a)))) return out;
   for (int draw = 0; draw < o.draws; ++draw) {
     Random random(o.seed, std::uint64_t(draw));
     VectorXd z(n);
     for (double& x : z) x = random.normal();
-    if (!stays_at(z.normalized())) return out;
+    if (!is_safe_at(z.normalized())) return out;
   }
   return out;
 }

@@ -83,9 +83,9 @@ Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const s
   const long n = long(constants.size());
   Knowledge k{.sea = sea, .constants = constants, .information = MatrixXd::Zero(n, n)};
   for (const Trial& t : trials) {
-    const auto tells = information_of(rig, sea, constants, t, noise);
-    if (!tells) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
-    k.information += *tells;
+    const auto added = information_of(rig, sea, constants, t, noise);
+    if (!added) throw InputError({t.file}, "the estimate cannot be followed through this trial: fit it first");
+    k.information += *added;
     k.measurements += long(t.phi.size() + t.phi_motor.size());
   }
   return k;
@@ -124,15 +124,15 @@ std::optional<MatrixXd> covariance_of(const MatrixXd& information) {
 VectorXd half_widths(const MatrixXd& information, long measurements) {
   const auto covariance = covariance_of(information);
   if (!covariance) return VectorXd::Constant(information.rows(), kUndetermined);
-  constexpr long kMany = 1'000'000'000;
-  return t_quantile_975(measurements > 0 ? std::max(measurements - information.rows(), 1l) : kMany) *
+  constexpr long kManyDegrees = 1'000'000'000;
+  return t_quantile_975(measurements > 0 ? std::max(measurements - information.rows(), 1l) : kManyDegrees) *
          covariance->diagonal().cwiseSqrt();
 }
 
 const char* name(Criterion criterion) {
   return criterion == Criterion::kWorst ? "worst" : criterion == Criterion::kD ? "d" : "e";
 }
-double size_of(Criterion criterion, const MatrixXd& information) {
+double criterion_value(Criterion criterion, const MatrixXd& information) {
   const auto covariance = covariance_of(information);
   if (!covariance) return kUndetermined;
   if (criterion == Criterion::kWorst) return std::sqrt(covariance->diagonal().maxCoeff());

@@ -1,10 +1,9 @@
-// What trials tell of the constants. At an estimate u, a trial with predicted angles phi_n(u) and noise sigma informs
-// of the constants, each relative to its value, by
+// Fisher information of trials on the constants. At an estimate u, a trial with predicted angles phi_n(u) and noise
+// sigma has the information on the constants, each relative to its value,
 //
 //     I_ij = sum_n (u_i dphi_n/du_i) (u_j dphi_n/du_j) / sigma^2,
 //
-// trials add up, and I^-1 is the covariance to come (Fisher information; exact derivatives). Tests:
-// test/unit/design.cpp.
+// which adds up over trials; I^-1 is the covariance to expect. Derivatives are exact. Tests: test/unit/design.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,12 +22,12 @@ using ConstantJet = ceres::Jet<double, kSmallJet>;
 RolloutStatus differentiate(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
                             const PreparedTrial& trial, std::vector<ConstantJet>& phi, std::vector<ConstantJet>& phi_m);
 
-/// What is known now.
+/// The current knowledge of the constants.
 struct Knowledge {
   SeaParameters<double> sea;    ///< the estimate, torque limit included
   std::vector<int> constants;   ///< which of the five are uncertain (each above 0); the others are taken as known
   Eigen::MatrixXd information;  ///< of those, relative to their values
-  long measurements = 0;        ///< angles that it rests on; 0: not known, then the intervals are the normal's
+  long measurements = 0;        ///< number of angles behind it; 0: unknown, then intervals are normal, not Student's
   void validate() const;        ///< throws InputError
 };
 
@@ -37,21 +36,21 @@ std::optional<Eigen::MatrixXd> information_of(const Rig& rig, const SeaParameter
                                               const std::vector<int>& constants, const Trial& trial, double noise);
 /// The constants above 0 that the file calls uncertain; all that are above 0 where it calls none.
 std::vector<int> uncertain_constants(const Actuator& actuator);
-/// What trials in hand tell at an estimate. Throws InputError where a rollout fails: the estimate is not theirs.
+/// The knowledge from existing trials at an estimate. Throws InputError where a rollout fails: it does not fit them.
 Knowledge knowledge_of(const Rig& rig, const SeaParameters<double>& sea, const std::vector<int>& constants,
                        const std::vector<Trial>& trials, double noise);
-/// What an actuator file tells: the inverse of its covariance; none where it holds none, or a singular one.
+/// The knowledge in an actuator file: the inverse of its covariance; none where it holds none, or a singular one.
 std::optional<Knowledge> knowledge_of(const Actuator& actuator);
 
-/// I^-1; none where the information leaves a direction open.
+/// I^-1; none where the information is singular.
 std::optional<Eigen::MatrixXd> covariance_of(const Eigen::MatrixXd& information);
 /// Relative 95 % half-widths, a constant each; infinite where they are not determined.
 Eigen::VectorXd half_widths(const Eigen::MatrixXd& information, long measurements);
 
-/// What a set of hits should make small, each a relative standard error: that of the worst-known constant, the
+/// The criterion that a set of hits minimises, each a relative standard error: that of the worst-known constant, the
 /// geometric mean of the axes of the ellipsoid (D-optimal), its longest axis (E-optimal).
 enum class Criterion { kWorst, kD, kE };
 const char* name(Criterion criterion);
-double size_of(Criterion criterion, const Eigen::MatrixXd& information);  ///< infinite where not determined
+double criterion_value(Criterion criterion, const Eigen::MatrixXd& information);  ///< infinite where not determined
 
 }  // namespace ukemi::identify

@@ -1,4 +1,4 @@
-// What a fit is asked to estimate: terms by their names, their bounds, and what is known of them beforehand.
+// What a fit estimates: terms by their names, their bounds and priors.
 #pragma once
 
 #include <map>
@@ -16,11 +16,11 @@ struct Prior {
   double value, std;  ///< in the term's unit; std > 0
 };
 
-/// Which terms of a table are fitted, and what is asked of them.
+/// Which terms of a table are fitted, within which bounds and with which priors.
 struct Choice {
   std::vector<std::string> free;               ///< constants that are fitted, in this order; the others stay as given
-  std::vector<std::string> nuisance;           ///< terms that are fitted along
-  std::map<std::string, double> lower, upper;  ///< in place of the table's bounds; not below 0 where those are not
+  std::vector<std::string> nuisance;           ///< nuisance terms that are fitted
+  std::map<std::string, double> lower, upper;  ///< override the table's; at least 0 where those are
   std::vector<Prior> priors;                   ///< of fitted terms
 
   bool fits(const std::string& term) const;
@@ -33,7 +33,7 @@ std::size_t index_of(const std::vector<const Term*>& table, const std::string& w
 /// Names, bounds and priors. Throws InputError.
 void validate(const std::vector<const Term*>& table, const Choice& choice);
 
-/// A choice and the table that it chooses from.
+/// A choice and its table of terms.
 template <class T>
 struct Terms : Choice {
   std::shared_ptr<const std::vector<T>> table;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Of the globals off their bounds, by units that make the information's diagonal 1: d are its roots. Fills in what the
-/// solution tells of them.
+/// Covariance of the globals off their bounds, in units that make the information's diagonal 1: d are its roots. Fills
+/// in the solution's eigenvalues and global covariance.
 Eigen::MatrixXd covariance_of_free(const LeastSquaresProblem& problem, const Eigen::MatrixXd& information,
                                    const std::vector<long>& free, Eigen::VectorXd& d, LeastSquaresSolution& out) {
   const long F = long(free.size());
@@ -46,10 +46,10 @@ Eigen::MatrixXd covariance_of_free(const LeastSquaresProblem& problem, const Eig
 
 }  // namespace
 
-Eigen::VectorXd slope_at(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
-                         const std::vector<double>& scaled) {
+Eigen::VectorXd gradient_at(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& grams,
+                            const std::vector<double>& scaled) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(long(scaled.size()));
-  for (const Eigen::MatrixXd* square : squares) out += square->col(square->cols() - 1).head(out.size());
+  for (const Eigen::MatrixXd* gram : grams) out += gram->col(gram->cols() - 1).head(out.size());
   for (const PriorResidual& p : problem.priors) {
     const double scale = problem.globals[std::size_t(p.global)].scale;
     out[p.global] += (scaled[std::size_t(p.global)] * scale - p.value) * p.weight * p.weight * scale;
@@ -57,16 +57,16 @@ Eigen::VectorXd slope_at(const LeastSquaresProblem& problem, const std::vector<c
   return out;
 }
 
-void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
+void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& grams,
                      LeastSquaresSolution& out) {
   const int G = int(problem.globals.size()), L = int(problem.locals.size()), B = int(problem.blocks.size());
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(G, G);
   std::vector<Eigen::MatrixXd> cross, inverse;
-  for (const Eigen::MatrixXd* square : squares) {
-    information += square->topLeftCorner(G, G);
+  for (const Eigen::MatrixXd* gram : grams) {
+    information += gram->topLeftCorner(G, G);
     if (L == 0) continue;
-    cross.push_back(square->block(0, G, G, L));
-    inverse.push_back(LeastNorm(square->block(G, G, L, L)).pseudo_inverse());
+    cross.push_back(gram->block(0, G, G, L));
+    inverse.push_back(LeastNorm(gram->block(G, G, L, L)).pseudo_inverse());
     information -= cross.back() * inverse.back() * cross.back().transpose();
   }
   for (const PriorResidual& p : problem.priors) {

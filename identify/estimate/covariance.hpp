@@ -1,4 +1,4 @@
-// What the residuals at a minimum say of the parameters' errors.
+// The covariances of the parameters from the residuals' derivatives at a minimum.
 #pragma once
 
 #include "common/decompositions.hpp"
@@ -6,18 +6,18 @@
 
 namespace ukemi::identify {
 
-/// Of half the cost by the globals, at their scaled values, of what `squares` are (add_covariances) and of the priors;
-/// by scaled globals.
-Eigen::VectorXd slope_at(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
-                         const std::vector<double>& scaled);
+/// Gradient of half the cost by the scaled globals, at their values `scaled`: of the blocks' `grams` (see
+/// add_covariances) and the priors.
+Eigen::VectorXd gradient_at(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& grams,
+                            const std::vector<double>& scaled);
 
-/// Fills in what of a solution speaks of errors: the information of the globals with the locals eliminated block by
-/// block (Schur complement), and from it the covariances. `squares`, of each block: [J r]' [J r] in scaled parameters,
-/// globals, locals, residual.
-void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& squares,
+/// Fills in a solution's information of the globals, with the locals eliminated block by block (Schur complement), and
+/// from it the covariances. `grams`: the Gram matrix [J r]' [J r] of each block in scaled parameters: globals, locals,
+/// residual.
+void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& grams,
                      LeastSquaresSolution& out);
 
-/// The solution of a x = b by units that make a's diagonal 1; directions that a says nothing of are left alone.
+/// The least-norm solution of a x = b, scaled by units that make a's diagonal 1.
 class ScaledSolver {
  public:
   explicit ScaledSolver(const Eigen::MatrixXd& a)

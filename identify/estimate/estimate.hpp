@@ -19,7 +19,7 @@ enum class Identifiability {
   kNotIdentifiable,  ///< wider, or not determined at all
   kAtBound,
   kFixed,   ///< not fitted
-  kFitted,  ///< along with the constants: no constant, not judged
+  kFitted,  ///< a nuisance term, without a verdict
 };
 const char* name(Identifiability identifiability);
 
@@ -36,7 +36,7 @@ struct Estimate {
   std::optional<double> std_noise = {};  ///< the part of it that is the logs' noise; the rest: Considered
   double ci_low = 0, ci_high = 0;        ///< 95 %, with `std`
   bool at_bound = false, free = true;
-  int trial = -1;                                     ///< of a nuisance term that each trial has; -1: one for all
+  int trial = -1;                                     ///< of a nuisance term that each trial has for itself; -1: shared
   Identifiability verdict = Identifiability::kFixed;  ///< of a constant
   double judged_size = 0;                             ///< Term::judged_size of a constant
 
@@ -48,18 +48,18 @@ struct Estimate {
 /// Whether every constant that was fitted is trusted.
 [[nodiscard]] bool all_trusted(const std::vector<Estimate>& parameters);
 
-/// A term that was not fitted, or ended at a bound, and is known but for its standard deviation s (a considered
-/// parameter of orbit determination). With J of what was fitted and j of the term, at the minimum,
+/// A term that was not fitted, or ended at a bound, whose value has the standard deviation s (a consider parameter of
+/// orbit determination). With J of what was fitted and j of the term, at the minimum,
 ///
-///     theta follows the term by  d = -(J' W J)^-1 J' W j,   covariance = that of noise + s^2 d d'.
+///     dtheta / dterm = d = -(J' W J)^-1 J' W j,   covariance = that of noise + s^2 d d'.
 struct Considered {
   std::string name;
   double std = 0;     ///< s [the term's unit]
   DenseMatrix shift;  ///< s d, by row as Estimates::fitted; a column for each independent draw of the term
 };
 
-/// The combination of constants that the data know least: the eigenvector of the smallest eigenvalue of the Fisher
-/// information of their logarithms, all other terms fitted along.
+/// The combination of constants that the data determine least: the eigenvector of the smallest eigenvalue of the Fisher
+/// information of their logarithms, all other terms eliminated.
 struct Weakest {
   std::vector<std::pair<std::string, double>> change;  ///< relative change of each constant, largest first
   double rms = 0;    ///< by which this change moves the predictions, root mean square [as the residuals]
@@ -74,16 +74,16 @@ struct Estimates {
   std::vector<Estimate> parameters;  ///< every constant of the table, in its order, fitted or not
   std::vector<Estimate> nuisance;    ///< shared, then term by term those of each trial
   std::vector<std::string> fitted;   ///< order of `covariance`: free constants, then shared terms
-  /// Of noise and what was considered; NaN where not determined.
+  /// Of noise and considered terms together; NaN where not determined.
   DenseMatrix covariance, correlation;
   DenseMatrix noise_covariance;        ///< the part of it that is the logs' noise
-  std::vector<Considered> considered;  ///< what was not fitted and is not exact, or at a bound
+  std::vector<Considered> considered;  ///< uncertain terms that were not fitted, or ended at a bound
   std::vector<double> eigenvalues;     ///< of the scaled information, ascending, largest 1
   double half_width = kNormal975;      ///< 95 % interval in standard errors (Student's t)
-  std::optional<Weakest> weakest;      ///< the combination of constants that the data know least
-  double cost = 0;                     ///< the sum of squares; weighted or robust where asked for
+  std::optional<Weakest> weakest;      ///< the combination that the data determine least
+  double cost = 0;                     ///< the sum of squares; weighted or robust as the options say
   bool converged = false;
-  int iterations = 0;   ///< of the start that won
+  int iterations = 0;   ///< of the best start
   int starts = 0;       ///< how many were run
   std::string message;  ///< why it did not converge, or that it was interrupted
   std::vector<std::string> warnings;

@@ -17,18 +17,18 @@ namespace {
 
 enum class Kind { kConstant, kNuisance };
 
-/// f(estimate, kind) of what was fitted for all, in the order of `fitted`.
+/// f(estimate, kind) of each global, in the order of `fitted`.
 template <class AnyEstimates, class F>
-void for_each_global(AnyEstimates& of, F&& f) {
-  const auto among = [&](auto& list, const std::string& name, Kind kind) {
+void for_each_global(AnyEstimates& estimates, F&& f) {
+  const auto visit = [&](auto& list, const std::string& name, Kind kind) {
     for (auto& e : list)
       if (e.name == name && e.trial < 0) f(e, kind);
   };
-  for (const std::string& name : of.fitted)
-    among(of.parameters, name, Kind::kConstant), among(of.nuisance, name, Kind::kNuisance);
+  for (const std::string& name : estimates.fitted)
+    visit(estimates.parameters, name, Kind::kConstant), visit(estimates.nuisance, name, Kind::kNuisance);
 }
 
-/// That a constant with a standard error is not identifiable; empty: it is.
+/// Warning that a constant with a standard error is not identifiable; empty where it is.
 std::string interval_warning(const Estimate& e, Wording::Interval interval) {
   if (e.verdict != Identifiability::kNotIdentifiable || !e.std) return "";
   return fmt::format("{} is not identifiable: the 95 % interval is {} either way", e.name,
@@ -37,23 +37,23 @@ std::string interval_warning(const Estimate& e, Wording::Interval interval) {
                          : fmt::format("{:.3g} {}", e.half_width(), e.unit));
 }
 
-/// What the data say of one global where the others off their bounds follow it.
-struct Alone {
-  double information = 0;  ///< of it, for unit residual variance
+/// Marginal information of one global, with the others off their bounds eliminated (Schur complement).
+struct Marginal {
+  double information = 0;  ///< for unit residual variance
   std::vector<long> others;
-  Eigen::VectorXd follow;  ///< by how much each does
+  Eigen::VectorXd response;  ///< derivatives of the others' minimum by the global
 };
-Alone alone_of(const LeastSquaresSolution& s, long g) {
-  Alone out{.information = s.information(g, g), .others = {}, .follow = {}};
+Marginal marginal_of(const LeastSquaresSolution& s, long g) {
+  Marginal out{.information = s.information(g, g), .others = {}, .response = {}};
   for (long i = 0; i < s.information.rows(); ++i)
     if (i != g && !s.at_bound[std::size_t(i)]) out.others.push_back(i);
   if (out.others.empty()) return out;
   const Eigen::VectorXd cross = s.information(out.others, g);
-  out.follow = -ScaledSolver(s.information(out.others, out.others))(cross);
-  out.information += cross.dot(out.follow);
+  out.response = -ScaledSolver(s.information(out.others, out.others))(cross);
+  out.information += cross.dot(out.response);
   return out;
 }
-constexpr double kSingular = 1e-12;  ///< of a global's information: what is left where the others follow tells nothing
+constexpr double kSingular = 1e-12;  ///< of a global's information: a smaller marginal one is rounding
 
 }  // namespace
 
@@ -64,9 +64,9 @@ std::vector<const Estimate*> Estimates::globals() const {
 }
 
 void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
-  Eigen::MatrixXd whole = noise;
-  for (const Considered& c : out.considered) whole += eigen(c.shift) * eigen(c.shift).transpose();
-  out.noise_covariance = noise, out.covariance = whole, out.correlation = correlation_of(whole);
+  Eigen::MatrixXd covariance = noise;
+  for (const Considered& c : out.considered) covariance += eigen(c.shift) * eigen(c.shift).transpose();
+  out.noise_covariance = noise, out.covariance = covariance, out.correlation = correlation_of(covariance);
   long i = 0;
   for_each_global(out, [&](Estimate& e, Kind kind) {
     set_error(e, out.covariance(i, i), noise(i, i), out.half_width);
@@ -75,15 +75,15 @@ void set_errors(const Eigen::MatrixXd& noise, Estimates& out) {
   });
 }
 
-void change_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Interval interval, Estimates& out) {
+void update_errors(const Eigen::MatrixXd& noise, double half_width, Wording::Interval interval, Estimates& out) {
   const std::vector<Estimate> before = out.parameters;
   out.half_width = half_width;
   set_errors(noise, out);
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const std::string said = interval_warning(before[i], interval);
-    if (!said.empty()) std::erase(out.warnings, said);
-    if (std::string now = interval_warning(out.parameters[i], interval); !now.empty())
-      out.warnings.push_back(std::move(now));
+    const std::string old_warning = interval_warning(before[i], interval);
+    if (!old_warning.empty()) std::erase(out.warnings, old_warning);
+    if (std::string new_warning = interval_warning(out.parameters[i], interval); !new_warning.empty())
+      out.warnings.push_back(std::move(new_warning));
   }
 }
 
@@ -94,27 +94,27 @@ void warn_of_priors(const Choice& choice, const LeastSquaresSolution& s, double 
   for (const Prior& p : choice.priors)
     for (std::size_t g = 0; g < globals.size() && s.information.size() > 0; ++g) {
       if (globals[g]->name != p.term || s.at_bound[g]) continue;
-      const double whole = alone_of(s, long(g)).information, of_logs = whole - std::pow(noise / p.std, 2);
-      if (!(of_logs > kSingular * whole)) continue;
-      const double apart = (globals[g]->value - p.value) * whole / of_logs, std = std::sqrt(variance / of_logs),
-                   off = std::abs(apart) / std::hypot(std, p.std);
-      if (off > kFar)
+      const double total = marginal_of(s, long(g)).information, without_prior = total - std::pow(noise / p.std, 2);
+      if (!(without_prior > kSingular * total)) continue;
+      const double difference = (globals[g]->value - p.value) * total / without_prior,
+                   std = std::sqrt(variance / without_prior), deviation = std::abs(difference) / std::hypot(std, p.std);
+      if (deviation > kFar)
         out.warnings.push_back(
             fmt::format("{} is about {:.4g} ± {:.2g} by the logs alone, {:.1f} standard deviations from its prior, {} "
                         "with {}: logs and prior contradict",
-                        p.term, p.value + apart, std, off, shortest(p.value), shortest(p.std)));
+                        p.term, p.value + difference, std, deviation, shortest(p.value), shortest(p.std)));
     }
 }
 
-std::vector<ErrorBudget> error_budget(const Estimates& of) {
+std::vector<ErrorBudget> error_budget(const Estimates& estimates) {
   std::vector<ErrorBudget> out;
-  const std::vector<const Estimate*> globals = of.globals();
+  const std::vector<const Estimate*> globals = estimates.globals();
   for (std::size_t g = 0; g < globals.size(); ++g) {
-    const double whole = of.covariance(long(g), long(g));
-    if (globals[g]->verdict == Identifiability::kFitted || !globals[g]->std || !(whole > 0)) continue;
-    out.push_back({globals[g]->name, {{"noise", of.noise_covariance(long(g), long(g)) / whole}}});
-    for (const Considered& c : of.considered)
-      out.back().shares.emplace_back(c.name, eigen(c.shift).row(long(g)).squaredNorm() / whole);
+    const double variance = estimates.covariance(long(g), long(g));
+    if (globals[g]->verdict == Identifiability::kFitted || !globals[g]->std || !(variance > 0)) continue;
+    out.push_back({globals[g]->name, {{"noise", estimates.noise_covariance(long(g), long(g)) / variance}}});
+    for (const Considered& c : estimates.considered)
+      out.back().shares.emplace_back(c.name, eigen(c.shift).row(long(g)).squaredNorm() / variance);
   }
   return out;
 }
@@ -131,7 +131,7 @@ void warn(const Wording& wording, Estimates& out) {
   }
   const std::vector<const Estimate*> globals = out.globals();
   const auto trusted = [&](std::size_t g) { return globals[g]->verdict == Identifiability::kTrusted; };
-  const Eigen::MatrixXd correlation = correlation_of(out.noise_covariance);  // an error of the rig moves all alike
+  const Eigen::MatrixXd correlation = correlation_of(out.noise_covariance);  // the rig's errors correlate all
   for (std::size_t i = 0; i < globals.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double r = correlation(long(i), long(j));
@@ -142,7 +142,7 @@ void warn(const Wording& wording, Estimates& out) {
     }
 }
 
-/// Terms that ended at a bound may be off to one side. With m the distance at which the cost, as a parabola, has its
+/// One-sided errors of terms that ended at a bound. With m the distance at which the cost, as a parabola, has its
 /// minimum beyond the bound, and s_0 the term's standard deviation without it, s^2 is the mean square of a normal
 /// distribution of mean -m and deviation s_0 where that is above 0; at most that of one within the bounds. Ours.
 std::vector<Considered> considered_at_bounds(const LeastSquaresSolution& s, const LeastSquaresProblem& problem,
@@ -153,14 +153,14 @@ std::vector<Considered> considered_at_bounds(const LeastSquaresSolution& s, cons
     const Parameter& p = problem.globals[g];
     if (!s.at_bound[g] || p.held) continue;
     const auto b = long(g);
-    const Alone alone = alone_of(s, b);
-    if (!(alone.information > kSingular * s.information(b, b))) continue;
-    const double std = std::sqrt(variance / alone.information),
-                 beyond = std::max(s.globals[b] > p.lower ? -s.slope[b] : s.slope[b], 0.0) / alone.information,
+    const Marginal marginal = marginal_of(s, b);
+    if (!(marginal.information > kSingular * s.information(b, b))) continue;
+    const double std = std::sqrt(variance / marginal.information),
+                 beyond = std::max(s.globals[b] > p.lower ? -s.gradient[b] : s.gradient[b], 0.0) / marginal.information,
                  spread = std * spread_from_bound(beyond / std), uniform = (p.upper - p.lower) / std::sqrt(3.0);
     Considered c{p.name, std::min(spread, uniform), Eigen::MatrixXd::Zero(s.information.rows(), 1)};
-    for (std::size_t i = 0; i < alone.others.size(); ++i)
-      eigen(c.shift)(alone.others[i], 0) = c.std * alone.follow[long(i)];
+    for (std::size_t i = 0; i < marginal.others.size(); ++i)
+      eigen(c.shift)(marginal.others[i], 0) = c.std * marginal.response[long(i)];
     out.push_back(std::move(c));
   }
   return out;

@@ -34,24 +34,24 @@ void robustify(double delta, Eigen::VectorXd& r, Eigen::MatrixXd& jacobian) {
 }
 
 /// R of [J r] = Q R from [J r]' [J r]; a zero row where a column depends on those before it.
-Eigen::MatrixXd triangle_of(Eigen::MatrixXd square) {
-  const Eigen::Index n = square.rows();
-  const Eigen::VectorXd whole = square.diagonal();
+Eigen::MatrixXd triangle_of(Eigen::MatrixXd gram) {
+  const Eigen::Index n = gram.rows();
+  const Eigen::VectorXd diagonal = gram.diagonal();
   constexpr double kRounding = 1e-15;
   Eigen::MatrixXd r = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (!(square(i, i) > kRounding * whole[i])) continue;
-    r.row(i).tail(n - i) = square.row(i).tail(n - i) / std::sqrt(square(i, i));
-    square.noalias() -= r.row(i).transpose() * r.row(i);
+    if (!(gram(i, i) > kRounding * diagonal[i])) continue;
+    r.row(i).tail(n - i) = gram.row(i).tail(n - i) / std::sqrt(gram(i, i));
+    gram.noalias() -= r.row(i).transpose() * r.row(i);
   }
   return r;
 }
 
-/// A block in scaled parameters, as the solver sees it. All that least squares asks of n residuals by p parameters is
-/// R of [J r] = Q R: p + 1 rows in place of n, at the same cost.
+/// A block in scaled parameters, as the solver sees it. Least squares needs only R of [J r] = Q R of n residuals by p
+/// parameters: p + 1 rows instead of n, at the same cost.
 class BlockCost final : public ceres::CostFunction {
  public:
-  /// The globals in `held` are seen as no parameters.
+  /// The globals in `held` have derivatives 0.
   BlockCost(const LeastSquaresProblem& problem, const ResidualBlock& block, const LeastSquaresOptions& options,
             const std::vector<bool>& held)
       : block_(block),
@@ -81,9 +81,9 @@ class BlockCost final : public ceres::CostFunction {
       r.setZero(), r[p] = std::sqrt(*square);
       return true;
     }
-    const Eigen::MatrixXd* square = square_form(x);
-    if (!square) return false;
-    const Eigen::MatrixXd triangle = triangle_of(*square);
+    const Eigen::MatrixXd* products = gram(x);
+    if (!products) return false;
+    const Eigen::MatrixXd triangle = triangle_of(*products);
     r = triangle.col(p);
     if (jacobians[0]) {
       Eigen::Map<RowMajor> by_globals(jacobians[0], p + 1, globals_);
@@ -96,48 +96,48 @@ class BlockCost final : public ceres::CostFunction {
     return true;
   }
 
-  /// [J r]' [J r]: globals, locals, residual; null where the block cannot be evaluated. Those of the last two points
-  /// are kept: the solver asks for cost and derivatives of one point in turn, and the covariance for the one before.
-  const Eigen::MatrixXd* square_form(double const* const* x) const {
+  /// The Gram matrix [J r]' [J r]: globals, locals, residual; null where the block cannot be evaluated. Those of the
+  /// last two points are cached: the solver evaluates cost, then derivatives of a point, and the covariance the former.
+  const Eigen::MatrixXd* gram(double const* const* x) const {
     const Eigen::VectorXd at = point(x);
-    if (const Eigen::MatrixXd* known = recall(at)) return known;
+    if (const Eigen::MatrixXd* known = cached(at)) return known;
     const int p = globals_ + locals_;
     thread_local Eigen::MatrixXd jacobian;
     jacobian.resize(block_.size, p);
-    const Eigen::VectorXd* r = rows(at, jacobian);
+    const Eigen::VectorXd* r = residuals_at(at, jacobian);
     if (!r) return nullptr;
-    std::swap(known_[0], known_[1]);
-    known_[0].at = at;
-    Eigen::MatrixXd& square = known_[0].square;
-    square.resize(p + 1, p + 1);
+    std::swap(cache_[0], cache_[1]);
+    cache_[0].at = at;
+    Eigen::MatrixXd& out = cache_[0].gram;
+    out.resize(p + 1, p + 1);
     const auto column = [&](int i) {
       return Eigen::Map<const Eigen::VectorXd>(i < p ? jacobian.col(i).data() : r->data(), block_.size);
     };
-    for (int i = 0; i <= p; ++i)  // so few columns: their own products beat the general one
+    for (int i = 0; i <= p; ++i)  // faster than a matrix product for so few columns
       for (int j = 0; j <= i; ++j)
-        square(i, j) = square(j, i) = (i < p ? scale_[i] : 1) * (j < p ? scale_[j] : 1) * column(i).dot(column(j));
-    return &square;
+        out(i, j) = out(j, i) = (i < p ? scale_[i] : 1) * (j < p ? scale_[j] : 1) * column(i).dot(column(j));
+    return &out;
   }
 
  private:
-  struct Known {
+  struct CachedGram {
     Eigen::VectorXd at;
-    Eigen::MatrixXd square;
+    Eigen::MatrixXd gram;
   };
-  const Eigen::MatrixXd* recall(const Eigen::VectorXd& at) const {
-    for (const Known& k : known_)
-      if (k.at.size() == at.size() && k.at == at) return &k.square;
+  const Eigen::MatrixXd* cached(const Eigen::VectorXd& at) const {
+    for (const CachedGram& k : cache_)
+      if (k.at.size() == at.size() && k.at == at) return &k.gram;
     return nullptr;
   }
   std::optional<double> cost(double const* const* x) const {
     const Eigen::VectorXd at = point(x);
-    if (const Eigen::MatrixXd* known = recall(at)) return (*known)(globals_ + locals_, globals_ + locals_);
+    if (const Eigen::MatrixXd* known = cached(at)) return (*known)(globals_ + locals_, globals_ + locals_);
     Eigen::MatrixXd none;
-    const Eigen::VectorXd* r = rows(at, none);
+    const Eigen::VectorXd* r = residuals_at(at, none);
     return r ? std::optional(r->squaredNorm()) : std::nullopt;
   }
-  /// The parameters in their own units, globals, then locals; within their bounds, which a scale and back may miss by
-  /// a rounding.
+  /// The parameters in their own units, globals, then locals; clamped to their bounds, which scaling may miss by a
+  /// rounding.
   Eigen::VectorXd point(double const* const* x) const {
     Eigen::VectorXd out(globals_ + locals_);
     out.head(globals_) = Eigen::Map<const Eigen::VectorXd>(x[0], globals_);
@@ -145,7 +145,7 @@ class BlockCost final : public ceres::CostFunction {
     return out.cwiseProduct(scale_).cwiseMax(lower_).cwiseMin(upper_);
   }
   /// The block's residuals and, unless it is empty, the Jacobian; null where it cannot be evaluated.
-  const Eigen::VectorXd* rows(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
+  const Eigen::VectorXd* residuals_at(const Eigen::VectorXd& at, Eigen::MatrixXd& jacobian) const {
     thread_local Eigen::VectorXd r;
     r.resize(block_.size);
     if (!block_.evaluate(at.data(), at.data() + globals_, r.data(), jacobian.size() > 0 ? jacobian.data() : nullptr))
@@ -160,7 +160,7 @@ class BlockCost final : public ceres::CostFunction {
   const std::vector<bool>& held_;
   int globals_, locals_;
   Eigen::VectorXd scale_, lower_, upper_;
-  mutable std::array<Known, 2> known_;  ///< the last first
+  mutable std::array<CachedGram, 2> cache_;  ///< the latest first
 };
 
 /// A prior in scaled parameters.
@@ -189,19 +189,19 @@ class PriorCost final : public ceres::CostFunction {
 /// Whether a scaled value is at a bound: -1 the lower, +1 the upper, 0 neither.
 int bound_of(const Parameter& p, double x) { return x <= p.lower / p.scale ? -1 : x >= p.upper / p.scale ? 1 : 0; }
 
-/// Ends a search where the caller wants it ended, where it crawls along an edge of the cost (LeastSquaresOptions), and
-/// where a step failed with a free parameter at a bound: Ceres solves for all of them and then cuts the step off at the
+/// Ends a search where the caller stops it, where it crawls along an edge of the cost (LeastSquaresOptions), and where
+/// a step failed with a free parameter at a bound: Ceres solves for all of them and then cuts the step off at the
 /// bounds, which turns it away from the minimum along them.
-struct Watch final : ceres::IterationCallback {
-  Watch(const std::vector<Parameter>& parameters, const std::vector<double>& scaled, const std::vector<bool>& are_held,
-        const LeastSquaresOptions& options)
-      : list(parameters), x(scaled), held(are_held), stop(options.stop), tolerance(options.cost_tolerance) {}
+struct StopCriteria final : ceres::IterationCallback {
+  StopCriteria(const std::vector<Parameter>& parameters, const std::vector<double>& scaled,
+               const std::vector<bool>& is_held, const LeastSquaresOptions& options)
+      : list(parameters), x(scaled), held(is_held), stop(options.stop), tolerance(options.cost_tolerance) {}
   ceres::CallbackReturnType operator()(const ceres::IterationSummary& s) override {
     cut_off = !s.step_is_successful && s.iteration > 0 && at_free_bound();
-    crawls = crawls_after(s);
-    return cut_off || crawls || (stop && stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
+    crawling = is_crawling(s);
+    return cut_off || crawling || (stop && stop()) ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
   }
-  bool crawls_after(const ceres::IterationSummary& s) {
+  bool is_crawling(const ceres::IterationSummary& s) {
     constexpr std::size_t kSteps = 10;
     constexpr double kSlow = 3;  // times the tolerance, each step
     if (s.iteration == 0) costs.clear();
@@ -210,7 +210,7 @@ struct Watch final : ceres::IterationCallback {
     return costs.size() == kSteps + 1 && costs.front() - costs.back() < kSteps * kSlow * tolerance * costs.back();
   }
   bool at_free_bound() const {
-    for (std::size_t i = 0; look_at_bounds && i < x.size(); ++i)
+    for (std::size_t i = 0; check_bounds && i < x.size(); ++i)
       if (!held[i] && bound_of(list[i], x[i]) != 0) return true;
     return false;
   }
@@ -220,10 +220,10 @@ struct Watch final : ceres::IterationCallback {
   const std::function<bool()>& stop;
   double tolerance;
   std::deque<double> costs = {};  ///< of the last steps that were taken
-  bool look_at_bounds = true, cut_off = false, crawls = false;
+  bool check_bounds = true, cut_off = false, crawling = false;
 };
 
-/// At `start`, or where that is empty at each parameter's own.
+/// Scaled starting point: `start` or, where that is empty, each parameter's own.
 std::vector<double> scaled_start(const std::vector<Parameter>& list, const std::vector<double>& start = {}) {
   std::vector<double> x;
   for (std::size_t i = 0; i < list.size(); ++i)
@@ -245,7 +245,7 @@ ceres::Solver::Options ceres_options(const LeastSquaresOptions& options) {
   o.max_num_iterations = options.max_iterations;
   o.function_tolerance = options.cost_tolerance;
   o.parameter_tolerance = options.step_tolerance;
-  o.gradient_tolerance = 1e-15;  // out of reach: the two above end the search
+  o.gradient_tolerance = 1e-15;  // never reached: the two above end the search
   o.max_num_consecutive_invalid_steps = options.rejected_steps;
   o.initial_trust_region_radius = options.first_radius;
   o.logging_type = ceres::SILENT;
@@ -273,38 +273,38 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
   out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
 }
 
-/// [J r]' [J r] of each block; none where one cannot be evaluated.
-std::optional<std::vector<const Eigen::MatrixXd*>> squares_at(const std::deque<BlockCost>& costs,
-                                                              const std::vector<double>& x,
-                                                              const std::vector<std::vector<double>>& locals) {
+/// The Gram matrix of each block; none where one cannot be evaluated.
+std::optional<std::vector<const Eigen::MatrixXd*>> grams_at(const std::deque<BlockCost>& costs,
+                                                            const std::vector<double>& x,
+                                                            const std::vector<std::vector<double>>& locals) {
   std::vector<const Eigen::MatrixXd*> out;
   for (std::size_t b = 0; b < costs.size(); ++b) {
     const double* at[2] = {x.data(), locals[b].data()};
-    out.push_back(costs[b].square_form(at));
+    out.push_back(costs[b].gram(at));
     if (!out.back()) return std::nullopt;
   }
   return out;
 }
 
-/// The globals at a bound that the cost pushes against it; those of `held` where a block has no derivatives.
-std::vector<bool> pressed(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs,
-                          const std::vector<double>& x, const std::vector<std::vector<double>>& locals,
-                          const std::vector<bool>& held) {
-  const auto squares = squares_at(costs, x, locals);
-  if (!squares) return held;
-  const Eigen::VectorXd slope = slope_at(problem, *squares, x);
+/// Active set: the globals at a bound that the cost pushes against it; `held` where a block has no derivatives.
+std::vector<bool> active_set(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs,
+                             const std::vector<double>& x, const std::vector<std::vector<double>>& locals,
+                             const std::vector<bool>& held) {
+  const auto grams = grams_at(costs, x, locals);
+  if (!grams) return held;
+  const Eigen::VectorXd gradient = gradient_at(problem, *grams, x);
   std::vector<bool> out;
   for (std::size_t i = 0; i < problem.globals.size(); ++i) {
     const int bound = bound_of(problem.globals[i], x[i]);
-    out.push_back(problem.globals[i].held || (bound != 0 && bound * slope[long(i)] < 0));
+    out.push_back(problem.globals[i].held || (bound != 0 && bound * gradient[long(i)] < 0));
   }
   return out;
 }
 
 /// Why the search ended.
-std::string reason(const ceres::Solver::Summary& s, const Watch& watch, int most) {
-  if (watch.crawls) return "the cost falls too slowly: its minimum is at an edge";
-  if (s.termination_type == ceres::NO_CONVERGENCE) return fmt::format("{} iterations were done", most);
+std::string reason(const ceres::Solver::Summary& s, const StopCriteria& criteria, int max_iterations) {
+  if (criteria.crawling) return "the cost falls too slowly: its minimum is at an edge";
+  if (s.termination_type == ceres::NO_CONVERGENCE) return fmt::format("{} iterations were done", max_iterations);
   if (s.termination_type == ceres::USER_SUCCESS) return "it was stopped, or its work was spent";
   if (!s.IsSolutionUsable()) return "the model cannot be followed at the start";
   return s.message;
@@ -314,15 +314,15 @@ std::string reason(const ceres::Solver::Summary& s, const Watch& watch, int most
 struct ScaledProblem {
   std::vector<double> x;
   std::vector<std::vector<double>> locals;
-  std::vector<bool> held;  ///< as it was asked for, or at a bound and pressed against it
-  bool all_held;           ///< as it was asked for: the locals alone are free
+  std::vector<bool> held;  ///< as requested, or at an active bound
+  bool all_held;           ///< as requested: only the locals are free
   std::deque<BlockCost> costs;
   std::deque<PriorCost> priors;
   long residuals = 0;
   ceres::Problem ceres_problem;
 
   ScaledProblem(const LeastSquaresProblem& problem, const LeastSquaresOptions& options)
-      : x(scaled_start(problem.globals)), ceres_problem(borrowing()) {
+      : x(scaled_start(problem.globals)), ceres_problem(non_owning()) {
     for (const ResidualBlock& b : problem.blocks) locals.push_back(scaled_start(problem.locals, b.local_start));
     for (const Parameter& p : problem.globals) held.push_back(p.held);
     all_held = !held.empty() && std::find(held.begin(), held.end(), false) == held.end();
@@ -349,32 +349,31 @@ struct ScaledProblem {
   ScaledProblem& operator=(const ScaledProblem&) = delete;
 
  private:
-  static ceres::Problem::Options borrowing() {
+  static ceres::Problem::Options non_owning() {
     ceres::Problem::Options out;
     out.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     return out;
   }
 };
 
-/// Solves again with other parameters held as long as the bounds that the cost presses against change; how the last
-/// went. Counts `iterations`.
-ceres::Solver::Summary follow_bounds(const LeastSquaresProblem& problem, const LeastSquaresOptions& options,
-                                     ScaledProblem& scaled, Watch& watch, int& iterations) {
-  constexpr int kActiveSets = 8;  // then Ceres' own way to the end
+/// Solves with the active set held until that no longer changes; returns the last summary. Counts `iterations`.
+ceres::Solver::Summary solve_by_active_sets(const LeastSquaresProblem& problem, const LeastSquaresOptions& options,
+                                            ScaledProblem& scaled, StopCriteria& criteria, int& iterations) {
+  constexpr int kMaxActiveSets = 8;  // then Ceres handles the bounds to the end
   ceres::Solver::Options o = ceres_options(options);
-  o.callbacks.push_back(&watch);
+  o.callbacks.push_back(&criteria);
   o.update_state_every_iteration = true;
   ceres::Solver::Summary summary;
-  bool follow = !scaled.all_held;
+  bool update_held = !scaled.all_held;
   for (int sets = 1;; ++sets) {
-    watch.look_at_bounds = follow;
+    criteria.check_bounds = update_held;
     ceres::Solve(o, &scaled.ceres_problem, &summary);
     iterations += int(summary.iterations.size()) - 1;
-    if (!follow || !summary.IsSolutionUsable() || (options.stop && options.stop())) return summary;
-    std::vector<bool> now = pressed(problem, scaled.costs, scaled.x, scaled.locals, scaled.held);
-    if (now == scaled.held && !watch.cut_off) return summary;
-    follow = now != scaled.held && sets < kActiveSets;
-    scaled.held = std::move(now);
+    if (!update_held || !summary.IsSolutionUsable() || (options.stop && options.stop())) return summary;
+    std::vector<bool> active = active_set(problem, scaled.costs, scaled.x, scaled.locals, scaled.held);
+    if (active == scaled.held && !criteria.cut_off) return summary;
+    update_held = active != scaled.held && sets < kMaxActiveSets;
+    scaled.held = std::move(active);
   }
 }
 
@@ -404,22 +403,22 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   silence_glog();
   LeastSquaresSolution out;
   ScaledProblem scaled(problem, options);
-  Watch watch(problem.globals, scaled.x, scaled.held, options);
-  const ceres::Solver::Summary summary = follow_bounds(problem, options, scaled, watch, out.iterations);
+  StopCriteria criteria(problem.globals, scaled.x, scaled.held, options);
+  const ceres::Solver::Summary summary = solve_by_active_sets(problem, options, scaled, criteria, out.iterations);
 
   out.residuals = scaled.residuals;
   out.usable = summary.IsSolutionUsable();
-  out.converged = summary.termination_type == ceres::CONVERGENCE || watch.crawls;
-  out.message = reason(summary, watch, options.max_iterations);
+  out.converged = summary.termination_type == ceres::CONVERGENCE || criteria.crawling;
+  out.message = reason(summary, criteria, options.max_iterations);
   out.cost = out.usable ? 2 * summary.final_cost : std::numeric_limits<double>::infinity();
   set_point(problem, scaled.x, scaled.locals, out);
   if (!out.usable) return out;
-  if (scaled.all_held) out.at_bound.assign(problem.globals.size(), true);  // the locals alone have errors
-  const auto squares = squares_at(scaled.costs, scaled.x, scaled.locals);
-  if (!squares) return out;
-  out.slope = slope_at(problem, *squares, scaled.x);
-  for (long i = 0; i < out.slope.size(); ++i) out.slope[i] /= problem.globals[std::size_t(i)].scale;
-  add_covariances(problem, *squares, out);
+  if (scaled.all_held) out.at_bound.assign(problem.globals.size(), true);  // only the locals have errors
+  const auto grams = grams_at(scaled.costs, scaled.x, scaled.locals);
+  if (!grams) return out;
+  out.gradient = gradient_at(problem, *grams, scaled.x);
+  for (long i = 0; i < out.gradient.size(); ++i) out.gradient[i] /= problem.globals[std::size_t(i)].scale;
+  add_covariances(problem, *grams, out);
   return out;
 }
 
@@ -428,12 +427,12 @@ double cost_at(const LeastSquaresProblem& problem, const LeastSquaresOptions& op
   for (std::size_t i = 0; i < local.size(); ++i) local[i] = problem.locals[i].start;
   double sum = 0;
   Eigen::VectorXd r;
-  Eigen::MatrixXd none;
+  Eigen::MatrixXd no_jacobian;
   for (const ResidualBlock& block : problem.blocks) {
     r.resize(block.size);
     if (!block.evaluate(globals.data(), local.data(), r.data(), nullptr))
       return std::numeric_limits<double>::infinity();
-    if (options.huber > 0) robustify(options.huber, r, none);
+    if (options.huber > 0) robustify(options.huber, r, no_jacobian);
     sum += r.squaredNorm();
   }
   for (const PriorResidual& p : problem.priors) sum += std::pow((globals[p.global] - p.value) * p.weight, 2);

@@ -47,12 +47,12 @@ struct LeastSquaresProblem {
 
 struct LeastSquaresOptions {
   int max_iterations = 200;
-  /// Relative fall that ends it: leaves 3e-6 sqrt(residuals) standard errors at most. So do ten steps in a row that
-  /// fall by less than three times as much each, on average: a minimum at an edge of the cost is crawled along.
+  /// Relative decrease that ends the search: leaves 3e-6 sqrt(residuals) standard errors at most. Ten consecutive steps
+  /// of less than three times as much each, on average, end it too: it crawls along an edge of the cost.
   double cost_tolerance = 1e-11;
   double step_tolerance = 1e-11;  ///< relative step that ends it
   double first_radius = 100;      ///< of the trust region; the scaled start is 1: a first step of its own size
-  int rejected_steps = 30;        ///< in a row, for the model cannot be evaluated, after which the search fails
+  int rejected_steps = 30;        ///< consecutive steps without a model value after which the search fails
   double huber = 0;               ///< Huber's delta on each residual; 0: plain squares
   std::function<bool()>
       stop;  ///< true: end and keep the best point so far, not converged; asked before every trial step
@@ -67,10 +67,10 @@ struct LeastSquaresSolution {
   int iterations = 0;
   double work = 0;              ///< spent, in the caller's units; the solver leaves it at 0
   std::string message;          ///< the solver's reason
-  std::vector<bool> at_bound;   ///< of the globals; those that are held too
+  std::vector<bool> at_bound;   ///< of the globals; true for held ones too
   long residuals = 0;           ///< n
   Eigen::MatrixXd information;  ///< of the globals, locals eliminated, for unit residual variance; empty where unknown
-  Eigen::VectorXd slope;        ///< of half the cost by the globals; empty where unknown
+  Eigen::VectorXd gradient;     ///< of half the cost by the globals; empty where unknown
   /// Inverse of the Fisher information for unit residual variance, over the globals; rows and columns at a bound, and
   /// of what the data do not determine, are NaN. Multiply by the residual variance.
   Eigen::MatrixXd global_covariance;

@@ -11,10 +11,10 @@ namespace ukemi::identify {
 void MultiStart::search_all(int count, const Search& search) { search_batch(0, count, search); }
 
 void MultiStart::search_until_believed(int count, const Search& search) {
-  const auto goes_on = [&] {
+  const auto continues = [&] {
     return !believed() && times_found_ < options_.same && spent_ < options_.work && !options_.monitor.stopped();
   };
-  for (int i = 0; i < count && goes_on(); i += options_.at_once)
+  for (int i = 0; i < count && continues(); i += options_.at_once)
     search_batch(i, std::min(options_.at_once, count - i), search);
 }
 

@@ -20,10 +20,10 @@ PredictionError prediction_error(const PredictionCase& p, double level) {
     a = p.by_constants * unit.asDiagonal() * eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal();
   }
   double degrees = double(r.size());
-  if (p.by_own.cols() > 0) {
-    const LeastNorm own(p.by_own);
-    r -= p.by_own * own.solve(r);
-    if (k > 0) a -= p.by_own * own.solve(a);
+  if (p.by_fitted.cols() > 0) {
+    const LeastNorm own(p.by_fitted);
+    r -= p.by_fitted * own.solve(r);
+    if (k > 0) a -= p.by_fitted * own.solve(a);
     degrees -= double(own.rank());
   }
   const double variance = p.noise * p.noise;

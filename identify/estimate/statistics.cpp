@@ -47,7 +47,7 @@ double at_bound_tail(double ratio, int terms) {
 }
 
 double spread_from_bound(double beyond) {
-  constexpr double kFar = 30;  // from there on what is left is an exponential distribution
+  constexpr double kFar = 30;  // from there on the truncated distribution is exponential
   if (beyond > kFar) return std::sqrt(2.0) / beyond;
   const double density = std::exp(-beyond * beyond / 2) * std::sqrt(2 / std::numbers::pi),
                tail = std::erfc(beyond / std::sqrt(2.0));

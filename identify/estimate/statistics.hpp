@@ -9,7 +9,7 @@ namespace ukemi::identify {
 /// P(X > x) of the chi-squared distribution with `degrees` > 0 degrees of freedom; 1 for x <= 0.
 double chi_squared_tail(double x, double degrees);
 
-/// The x > 0 that it is above with this probability, 0 < level < 1.
+/// The x > 0 with P(X > x) = level, 0 < level < 1.
 double chi_squared_quantile(double level, double degrees);
 
 /// Which of several hypotheses are rejected so that, were all true, any would be with probability `level` at most: the
@@ -21,8 +21,8 @@ std::vector<bool> holm(const std::vector<double>& p, double level);
 /// 50:50), the terms taken as uncorrelated.
 double at_bound_tail(double ratio, int terms);
 
-/// Of a normal distribution of standard deviation 1 whose mean lies `beyond` >= 0 behind a bound, cut off there: the
-/// root of its mean square distance from the bound; 1 for 0, and sqrt(2) / beyond far behind.
+/// Root mean square distance from a bound under a normal distribution of standard deviation 1, truncated at the bound,
+/// whose mean lies `beyond` >= 0 outside of it: 1 for 0, about sqrt(2) / beyond far outside.
 double spread_from_bound(double beyond);
 
 /// Ljung and Box's Q over the lags 1 .. lags of one series of mean 0: chi-squared with as many degrees of freedom where

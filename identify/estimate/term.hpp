@@ -15,31 +15,31 @@ namespace ukemi::identify {
 /// Whether all trials share a term's value, or each has its own.
 enum class Scope { kShared, kEach };
 
-/// What can be estimated. Front ends derive from it how the term enters their model.
+/// A term that can be estimated. Front ends derive from it and add how the term enters their model.
 struct Term {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
   std::string name, unit;
-  std::string words = {};  ///< what it is, for a reader
+  std::string words = {};  ///< description in reports
   std::string alias = {};  ///< another name that users may give it
   bool is_called(const std::string& given) const { return name == given || (!alias.empty() && alias == given); }
   enum class Role {
     kConstant,  ///< a shared constant of the model, reported whether it is fitted or not
-    kNuisance,  ///< fitted along where asked for, else absent
+    kNuisance,  ///< fitted where requested, else absent
   } role = Role::kNuisance;
   Scope scope = Scope::kShared;
   double lower = -kInfinity, upper = kInfinity;  ///< bounds where the options name none
-  double absent = 0;         ///< where the model is as if the term were not there; a nuisance term starts there
-  double size = 1;           ///< typical size, > 0, where the start does not tell
-  double smallest_part = 0;  ///< of its size, the least that the model can be asked with, where its bound is 0
-  double judged_size = 0;    ///< what its interval is measured against is at least this, where its zero is a convention
+  double absent = 0;                             ///< value without effect on the model; a nuisance term starts there
+  double size = 1;                               ///< typical size, > 0, where the start is 0
+  double smallest_part = 0;  ///< fraction of its size below which the model cannot be evaluated, where its bound is 0
+  double judged_size = 0;    ///< least size that its interval is compared with, where its zero is a convention
 
   bool is_constant() const { return role == Role::kConstant; }
   /// Whether it cannot be below its absence.
   bool one_sided() const { return lower >= absent; }
 };
 
-/// All constants of a table, nothing along.
+/// All constants of a table free, no nuisance terms.
 template <class T>
 Terms<T> all_constants(const std::vector<T>& table) {
   Terms<T> out;

@@ -21,9 +21,9 @@ Estimate estimate_of(const Parameter& p, double value, double variance, double h
   return e;
 }
 
-void set_error(Estimate& e, double variance, double of_noise, double half_width) {
+void set_error(Estimate& e, double variance, double noise_variance, double half_width) {
   if (!(variance >= 0 && std::isfinite(variance))) return;
-  e.std = std::sqrt(variance), e.std_noise = std::sqrt(of_noise);
+  e.std = std::sqrt(variance), e.std_noise = std::sqrt(noise_variance);
   e.ci_low = e.value - half_width * *e.std, e.ci_high = e.value + half_width * *e.std;
 }
 
@@ -68,9 +68,9 @@ std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSqua
   const SymmetricEigen eigen = symmetric_eigen(m);
   const double stiffness = std::max(eigen.values[0], 0.0);  // squares per squared relative change
   const Eigen::VectorXd v = eigen.vectors.col(0);
-  // As far as the 95 % interval along it reaches, but no farther than half of a constant: beyond it nothing is linear.
-  const double farthest = 0.5 / v.cwiseAbs().maxCoeff();
-  const double step = std::min(half_width * std::sqrt(variance / std::max(stiffness, 1e-300)), farthest);
+  // The half width of the 95 % interval along it, at most half of any constant: beyond that nothing is linear.
+  const double max_step = 0.5 / v.cwiseAbs().maxCoeff();
+  const double step = std::min(half_width * std::sqrt(variance / std::max(stiffness, 1e-300)), max_step);
   Weakest out;
   for (int i = 0; i < n; ++i)
     out.change.emplace_back(problem.globals[std::size_t(constants[std::size_t(i)])].name, step * v[i]);
@@ -84,12 +84,12 @@ std::optional<Weakest> weakest_of(const LeastSquaresSolution& s, const LeastSqua
 }
 
 std::string in_words(const Weakest& w, const std::string& data, const std::string& outputs, const std::string& unit) {
-  constexpr double kTakesPart = 0.25;  // of the largest change
+  constexpr double kNamedShare = 0.25;  // of the largest change
   const double largest = std::abs(w.change.front().second);
   const auto verb = [](double change) { return change > 0 ? "raising " : "lowering "; };
   std::string names, changes;
   std::size_t named = 0;
-  while (named < w.change.size() && std::abs(w.change[named].second) >= kTakesPart * largest) ++named;
+  while (named < w.change.size() && std::abs(w.change[named].second) >= kNamedShare * largest) ++named;
   for (std::size_t i = 0; i < named; ++i) {
     const auto& [name, change] = w.change[i];
     const char* join = i == 0 ? "" : i + 1 == named ? " and " : ", ";

@@ -11,11 +11,11 @@
 
 namespace ukemi::identify {
 
-/// What a parameter came to, at its bound where the value is.
+/// The estimate of a parameter; at_bound where the value is at a bound.
 [[nodiscard]] Estimate estimate_of(const Parameter& parameter, double value, double variance, double half_width,
                                    int trial = -1);
-/// Standard error and 95 % interval from the whole variance, and its part of the noise; none where it is not a number.
-void set_error(Estimate& e, double variance, double of_noise, double half_width);
+/// Sets standard error and 95 % interval from the total variance and the noise's part of it; none where it is NaN.
+void set_error(Estimate& e, double variance, double noise_variance, double half_width);
 
 /// The verdict by the widths above.
 [[nodiscard]] Identifiability judge(const Estimate& e);
@@ -24,8 +24,8 @@ void set_error(Estimate& e, double variance, double of_noise, double half_width)
 /// what was trusted is weak.
 void distrust(std::vector<Estimate>& parameters);
 
-/// Of a solution whose residuals have this variance; `sizes` are those of the constants, its first globals. None where
-/// fewer than two are off their bounds. The step is as far as `half_width` standard errors reach along it.
+/// The weakest combination, of a solution whose residuals have this variance; `sizes` are those of the constants, its
+/// first globals. None where fewer than two are off their bounds. The step is `half_width` standard errors along it.
 [[nodiscard]] std::optional<Weakest> weakest_of(const LeastSquaresSolution& solution,
                                                 const LeastSquaresProblem& problem, const std::vector<double>& sizes,
                                                 double variance, double half_width);

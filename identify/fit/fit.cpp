@@ -31,10 +31,10 @@ void FitOptions::validate() const {
         fmt::format("accuracy: {}: a relative tolerance from 1e-13 to 1e-3 is needed", shortest(accuracy)));
   rollout().validate();
   if (!(huber >= 0 && std::isfinite(huber)))
-    throw InputError(fmt::format("loss: {}: Huber's delta must be above 0", shortest(huber)));
-  constexpr long kMost = 1'000'000;
-  check_count("restarts", restarts, 0, kMost), check_count("starts", explore, 0, kMost);
-  check_count("threads", threads, 0, kMost), check_count("max_iterations", max_iterations, 1, kMost);
+    throw InputError(fmt::format("loss: {}: Huber's delta must be at least 0", shortest(huber)));
+  constexpr long kMaxCount = 1'000'000;
+  check_count("restarts", restarts, 0, kMaxCount), check_count("starts", explore, 0, kMaxCount);
+  check_count("threads", threads, 0, kMaxCount), check_count("max_iterations", max_iterations, 1, kMaxCount);
   starts.validate();
 }
 
@@ -50,7 +50,7 @@ void validate(const Rig& rig, const std::vector<Trial>& trials, const FitOptions
   }
 }
 
-/// What a fit starts from, or holds: an inertia of 0 is moved off it.
+/// Validates a start or `base`; an inertia of 0 is allowed: a fit moves it off that bound.
 void validate_start(SeaParameters<double> sea) {
   if (sea.i_motor == 0) sea.i_motor = 1;
   ukemi::validate(sea);
@@ -60,22 +60,22 @@ std::vector<Estimate> constants_of(const Terms<RigTerm>& terms, const SeaParamet
   return identify::as_given(terms, [&](const RigTerm& t) { return t.value_in(sea); });
 }
 
-/// Constants that start at 0, which is no place for a scaled search.
+/// Warns of constants that start at 0, where a scaled search cannot start.
 void warn_of_zero_starts(const SeaParameters<double>& start, const FitOptions& options, Fit& out) {
   for (const RigTerm& t : *options.terms.table)
     if (t.is_constant() && options.terms.fits(t.name) && t.value_in(start) <= 0)
       out.warnings.push_back(fmt::format("{} started at 0: moved off it", t.name));
 }
 
-/// The fit where no start could be followed.
-Fit nothing_found(const Rig& rig, const FitSearch& search, const SeaParameters<double>& sea, const FitOptions& options,
-                  Fit out) {
+/// The result where no start could be simulated.
+Fit failed_fit(const Rig& rig, const FitSearch& search, const SeaParameters<double>& sea, const FitOptions& options,
+               Fit out) {
   out.sea = sea;
   out.rms = out.cost = std::numeric_limits<double>::quiet_NaN();
   const std::string& reason = search.best().message;
   out.message =
-      "no start could be followed through the trials: " + (out.interrupted           ? "interrupted"
-                                                           : !search.spent().empty() ? search.spent()
+      "no start could be followed through the trials: " + (out.interrupted                 ? "interrupted"
+                                                           : !search.stop_reason().empty() ? search.stop_reason()
                                                            : reason.empty() ? "every rollout escapes or diverges"
                                                                             : reason);
   for (const PreparedTrial& t : search.prepared()) out.trials.push_back(replay(rig, t, {sea}, options.rollout()));
@@ -83,10 +83,16 @@ Fit nothing_found(const Rig& rig, const FitSearch& search, const SeaParameters<d
   return out;
 }
 
-/// The trials at the best solution, as `predict` does them.
+/// Of a rollout without derivatives: steps are implicit where the motion is stiff.
+RolloutOptions replay_options(const FitOptions& options) {
+  RolloutOptions out = options.rollout();
+  if (!out.method) out.method = Method::kAuto;
+  return out;
+}
+
+/// Replays the trials at the best solution, by the same integration method as `predict`.
 void replay_best(const FitSearch& search, const std::vector<Weighting>& weights, const FitOptions& options, Fit& out) {
-  RolloutOptions o = options.rollout();
-  if (!o.method) o.method = Method::kAuto;
+  const RolloutOptions o = replay_options(options);
   out.sea = search.best_sea();
   out.trials.clear();
   for (std::size_t m = 0; m < weights.size(); ++m)
@@ -96,50 +102,50 @@ void replay_best(const FitSearch& search, const std::vector<Weighting>& weights,
     });
 }
 
-/// The weights of the residuals that the fit calls for: by the force's noise where it colours them, and by trial.
-/// Returns whether they are others than before.
+/// Sets the weighting of each trial's residuals: by the force's noise where it colours them, and by trial.
+/// Returns whether any changed.
 bool reweigh(FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options, Fit& out) {
   bool changed = false;
   std::vector<Weighting>& weights = search.weights();
   for (std::size_t m = 0; m < trials.size(); ++m) {
-    weights[m] =
-        search.at_best(m, [&](const Rig& rig, const RolloutInputs<double>& inputs, const PreparedTrial& trial) {
-          return weigh_force_noise(rig, inputs.sea, inputs.nuisance, *trial.trial, search.noise(), options.rollout());
-        });
+    weights[m] = search.at_best(m, [&](const Rig& rig, const RolloutInputs<double>& inputs,
+                                       const PreparedTrial& trial) {
+      return force_noise_weighting(rig, inputs.sea, inputs.nuisance, *trial.trial, search.noise(), options.rollout());
+    });
     out.trials[m].weighting = std::make_shared<const Weighting>(weights[m]);
     changed = changed || weights[m].u.size() > 0;
   }
   if (options.weights != FitOptions::Weights::kTrial) return changed;
-  const double all = pooled(out.trials, trials, white_rms);
+  const double pooled_rms = pooled(out.trials, trials, white_rms);
   for (std::size_t m = 0; m < trials.size(); ++m) {
-    const double own = white_rms(trials[m], out.trials[m]);
-    weights[m].weight = own > 0 ? all / own : 1;
+    const double trial_rms = white_rms(trials[m], out.trials[m]);
+    weights[m].weight = trial_rms > 0 ? pooled_rms / trial_rms : 1;
   }
   return true;
 }
 
-/// What counts beside the noise, see Considered.
-void consider(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options,
-              Fit& out) {
+/// Sets the errors beside the noise, see Considered.
+void set_considered(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials,
+                    const FitOptions& options, Fit& out) {
   const LeastSquaresSolution& best = search.best();
-  AtMinimum at{rig, trials, options, out.sea, {}, {best.globals.begin(), best.globals.end()}, best.at_bound, {}};
-  if (options.errors == FitOptions::Errors::kOfNoise || !states_errors(at)) return;
-  for (const TrialResult& r : out.trials) at.weights.push_back(weighting_of(r));
+  FitMinimum minimum{rig, trials, options, out.sea, {}, {best.globals.begin(), best.globals.end()}, best.at_bound, {}};
+  if (options.errors == FitOptions::Errors::kNoiseOnly || !states_errors(minimum)) return;
+  for (const TrialResult& r : out.trials) minimum.weights.push_back(weighting_of(r));
   for (long m = 0; m < long(trials.size()); ++m) {
-    const Eigen::VectorXd own = best.locals.row(m);
-    at.locals.emplace_back(own.begin(), own.end());
+    const Eigen::VectorXd locals = best.locals.row(m);
+    minimum.locals.emplace_back(locals.begin(), locals.end());
   }
-  const auto sensitivity = sensitivity_of(at);
+  const auto sensitivity = sensitivity_of(minimum);
   if (!sensitivity) return;
-  out.considered = considered_of(at, *sensitivity);
+  out.considered = considered_of(minimum, *sensitivity);
   out.sensitivity = std::make_shared<const Sensitivity>(*sensitivity);
 }
 
-/// The estimates, and what can be said of them.
+/// Sets the estimates, their verdicts and the warnings.
 void report(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials, const FitOptions& options,
             Fit& out) {
   const std::vector<const Term*> shared(search.layout().shared.begin(), search.layout().shared.end());
-  consider(rig, search, trials, options, out);
+  set_considered(rig, search, trials, options, out);
   out.parameters = constants_of(options.terms, out.sea);
   set_estimates(search.best(), search.best_problem(), shared, {.data = "trials"}, out);
   warn_of_priors(options.terms, search.best(), search.noise(), out);
@@ -173,11 +179,11 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   out.minima = search.minima();
   out.starts = search.starts();
   out.interrupted = options.monitor.stopped();
-  if (!search.best().usable) return nothing_found(rig, search, start.value_or(base), options, std::move(out));
+  if (!search.best().usable) return failed_fit(rig, search, start.value_or(base), options, std::move(out));
 
   replay_best(search, search.weights(), options, out);
   if (reweigh(search, trials, options, out)) {
-    search.run_again(out.sea);
+    search.restart(out.sea);
     out.minima = search.minima();
     out.starts = search.starts();
     replay_best(search, search.weights(), options, out);
@@ -185,7 +191,7 @@ Fit fit(const Rig& rig, const std::vector<Trial>& trials, const std::optional<Se
   const LeastSquaresSolution& best = search.best();
   out.rms = pooled(out.trials, trials, raw_rms);
   if (!best.converged)
-    out.message = out.interrupted ? "interrupted" : search.spent().empty() ? best.message : search.spent();
+    out.message = out.interrupted ? "interrupted" : search.stop_reason().empty() ? best.message : search.stop_reason();
   report(rig, search, trials, options, out);
   return out;
 }
@@ -199,7 +205,7 @@ Fit predict(const Rig& rig, const std::vector<Trial>& trials, const SeaParameter
   out.warnings = check_logs(trials).warnings;
   out.sea = sea;
   out.converged = out.identifiable = true;
-  const RolloutOptions rollout_options{.accuracy = options.accuracy, .method = Method::kAuto, .escape = options.escape};
+  const RolloutOptions rollout_options = replay_options(options);
   for (const Trial& t : trials) {
     const RolloutInputs<double> inputs{sea, own.empty() ? Nuisance<double>{} : own[out.trials.size()]};
     out.trials.push_back(replay(rig, PreparedTrial(t), inputs, rollout_options));
@@ -225,8 +231,8 @@ std::vector<Trial> with_nearer_force(const Rig& rig, const std::vector<Trial>& t
     if (t.force_smooth != 0) return trials;
     t.force_smooth = 1;
   }
-  const Fit with = predict(rig, smooth, sea, options), without = predict(rig, trials, sea, options);
-  return with.converged && (!without.converged || with.rms < without.rms) ? smooth : trials;
+  const Fit curved = predict(rig, smooth, sea, options), linear = predict(rig, trials, sea, options);
+  return curved.converged && (!linear.converged || curved.rms < linear.rms) ? smooth : trials;
 }
 
 }  // namespace ukemi::identify

@@ -47,17 +47,17 @@ TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutI
   }
   if (trial.measurements() > 0) out.rms = root_mean_square(span_of(raw_residuals(trial, out)));
   if (!trial.torque.empty()) {
-    std::vector<double> off(trial.torque.size());
-    std::transform(out.torque.begin(), out.torque.end(), trial.torque.begin(), off.begin(), std::minus());
-    out.rms_torque = root_mean_square(off);
+    std::vector<double> error(trial.torque.size());
+    std::transform(out.torque.begin(), out.torque.end(), trial.torque.begin(), error.begin(), std::minus());
+    out.rms_torque = root_mean_square(error);
   }
-  double sum_of_rates = 0, rates = 0;
+  double sum_of_squares = 0, rates = 0;
   for (const auto& pair : {std::pair(&trial.phi, &out.phi), {&trial.phi_motor, &out.phi_m}})
     for (std::size_t i = 1; i < pair.first->size(); ++i, ++rates) {
       const auto residual = [&](std::size_t k) { return (*pair.second)[k] - (*pair.first)[k]; };
-      sum_of_rates += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
+      sum_of_squares += std::pow((residual(i) - residual(i - 1)) / (trial.t[i] - trial.t[i - 1]), 2);
     }
-  if (rates > 0) out.rms_rate = std::sqrt(sum_of_rates / rates);
+  if (rates > 0) out.rms_rate = std::sqrt(sum_of_squares / rates);
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Trials replayed for given constants: predictions beside the logs, and their residuals.
+// Trials replayed for given constants: predictions at the logs' samples, and their residuals.
 #pragma once
 
 #include <vector>
@@ -11,10 +11,10 @@ namespace ukemi::identify {
 [[nodiscard]] TrialResult replay(const Rig& rig, const PreparedTrial& prepared, const RolloutInputs<double>& inputs,
                                  const RolloutOptions& options);
 
-/// phi, phi_motor, then torque by angle_per_torque, predicted minus measured, made white; without the weight.
+/// phi, phi_motor, then torque by angle_per_torque, predicted minus measured, whitened but not weighted.
 Eigen::VectorXd white_residuals(const Trial& log, const TrialResult& result);
 
-/// Root mean square over all trials of what `rms(log, result)` says of each.
+/// Root mean square over all measurements, from rms(log, result) of each trial.
 template <class Rms>
 double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& logs, Rms&& rms) {
   double sum = 0, n = 0;
@@ -25,7 +25,7 @@ double pooled(const std::vector<TrialResult>& trials, const std::vector<Trial>& 
   return n > 0 ? std::sqrt(sum / n) : 0;
 }
 inline double raw_rms(const Trial&, const TrialResult& r) { return r.rms; }
-/// rms of a trial's residuals made white [rad].
+/// rms of a trial's whitened residuals [rad].
 double white_rms(const Trial& log, const TrialResult& result);
 
 }  // namespace ukemi::identify

@@ -10,7 +10,7 @@
 
 namespace ukemi::identify {
 
-bool RigTerm::has_a_say(const std::vector<Trial>& trials) const {
+bool RigTerm::applies_to(const std::vector<Trial>& trials) const {
   return !needs || std::any_of(trials.begin(), trials.end(), [&](const Trial& t) { return !(t.*needs->at).empty(); });
 }
 
@@ -43,14 +43,14 @@ namespace {
 
 using Sea = SeaParameters<double>;
 
-/// One of the five, whose bound is 0.
+/// One of the five constants, bounded below by 0.
 template <class F>
 RigTerm constant(std::size_t i, const char* words, double size, double smallest_part, F field) {
   RigTerm t{{.name = kConstantNames[i], .unit = kConstantUnits[i], .words = words, .size = size}, input_field(field)};
   t.role = Term::Role::kConstant, t.lower = 0, t.smallest_part = smallest_part, t.key = t.name;
   return t;
 }
-/// What the rig or its sensors may add.
+/// A nuisance term of the rig or its sensors.
 template <class F>
 RigTerm nuisance(const char* name, const char* unit, const char* words, Scope scope, double size, F field) {
   return {{.name = name, .unit = unit, .words = words, .scope = scope, .size = size}, input_field(field)};
@@ -59,12 +59,12 @@ RigTerm bounded(RigTerm t, double lower, double upper, double absent) {
   t.lower = lower, t.upper = upper, t.absent = absent;
   return t;
 }
-/// An optional term of the actuator, whose bound, 0, is its absence; of about `part` of one of the five.
+/// An optional term of the actuator, absent at its lower bound 0; typical size: `part` of one of the five constants.
 RigTerm optional(RigTerm t, double part, double Sea::*of, const char* key) {
   t.lower = 0, t.part = part, t.relative_to = of, t.key = key;
   return t;
 }
-RigTerm also(const char* alias, RigTerm t) {
+RigTerm with_alias(const char* alias, RigTerm t) {
   t.alias = alias;
   return t;
 }
@@ -77,45 +77,45 @@ RigTerm stored(RigTerm t) {
   t.key = t.name;
   return t;
 }
-/// Of a Coulomb friction: both levels stay above 0.
+/// The asymmetry of a Coulomb friction, bounded so that both levels stay above 0.
 template <class F>
 RigTerm asymmetry(const char* name, const char* words, F field, double Sea::*friction) {
   RigTerm t = stored(bounded(nuisance(name, "1", words, Scope::kShared, 0.2, field), -0.95, 0.95, 0));
   t.judged_size = 1;
   return only_with(std::move(t), {friction});
 }
-/// Of Trial::force_smooth: what the log's own force lacks of the smooth curve, or has too much of it.
-RigTerm between_samples() {
+/// Change of Trial::force_smooth from the log's own value.
+RigTerm force_interpolation() {
   RigTerm t{{.name = kForceSmooth, .unit = "1", .words = "the force between its samples: 0 as read, 1 smoother"}};
   t.size = 1, t.lower = -1, t.upper = 1;
   t.change = [](double value, Rig&, Sea&, Trial& log) { log.force_smooth += value; };
   return t;
 }
-RigTerm of_torque(RigTerm t) {
+RigTerm needs_torque(RigTerm t) {
   t.needs = {"torque", &Trial::torque};
   return t;
 }
-/// Its error stands in the rig file, under this key.
+/// The rig file states its error under this key.
 RigTerm with_error(const char* key, RigTerm t) {
   const std::vector<RigErrorKey>& keys = rig_error_keys();
   t.error = &*std::find_if(keys.begin(), keys.end(), [&](const RigErrorKey& k) { return k.key == std::string(key); });
   return t;
 }
-/// How late the drive is.
+/// A delay or a filter of the drive.
 template <class F>
 RigTerm lag(const char* name, const char* error, const char* words, F field) {
-  return with_error(error, stored(bounded(nuisance(name, "s", words, Scope::kShared, 1e-3, field), 0, kMostLate, 0)));
+  return with_error(error, stored(bounded(nuisance(name, "s", words, Scope::kShared, 1e-3, field), 0, kMaxDelay, 0)));
 }
-/// Of a rig with other numbers than its file's.
+/// A factor on a number of the rig file.
 RigTerm of_rig(const char* name, const char* words, double Rig::*at) {
   RigTerm t{{.name = name, .unit = "1", .words = words}};
   t.change = [at](double value, Rig& rig, Sea&, Trial& log) {
-    Rig& its = log.rig ? *log.rig : rig;  // by name: GCC 12 multiplies a copy where both stand in one expression
-    its.*at *= value;
+    Rig& trial_rig = log.rig ? *log.rig : rig;  // by name: GCC 12 multiplies a copy where both stand in one expression
+    trial_rig.*at *= value;
   };
   return bounded(t, 0.01, 100, 1);
 }
-/// For force_gain does all that it does, or all but a trace.
+/// Not tested, because force_gain has almost the same effect.
 RigTerm not_tested(RigTerm t) {
   t.tested = false;
   return t;
@@ -143,19 +143,19 @@ std::vector<RigTerm> friction_terms() {
       in_ladder(optional(nuisance("friction", "Nm", "dry friction on the motor", kShared, 0.1,
                                   [](auto& in) { return &in.sea.friction; }),
                          0.01, &Sea::k_p, "friction")),
-      also("viscous", optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor", kShared,
-                                        0.01, [](auto& in) { return &in.sea.viscous; }),
-                               0.1, &Sea::k_d, "viscous_friction")),
+      with_alias("viscous", optional(nuisance("viscous_friction", "Nm/(rad/s)", "viscous friction on the motor",
+                                              kShared, 0.01, [](auto& in) { return &in.sea.viscous; }),
+                                     0.1, &Sea::k_d, "viscous_friction")),
       asymmetry(
           "friction_asymmetry", "of friction: half the difference of both directions' levels over their mean",
           [](auto& in) { return &in.sea.friction_asymmetry; }, &Sea::friction),
       in_ladder(optional(nuisance("output_friction", "Nm", "dry friction on the output", kShared, 0.1,
                                   [](auto& in) { return &in.sea.output_friction; }),
                          0.01, &Sea::k_p, "output_friction")),
-      also("output_viscous_friction",
-           optional(nuisance("output_viscous", "Nm/(rad/s)", "viscous friction on the output", kShared, 0.01,
-                             [](auto& in) { return &in.sea.output_viscous; }),
-                    0.1, &Sea::k_d, "output_viscous")),
+      with_alias("output_viscous_friction",
+                 optional(nuisance("output_viscous", "Nm/(rad/s)", "viscous friction on the output", kShared, 0.01,
+                                   [](auto& in) { return &in.sea.output_viscous; }),
+                          0.1, &Sea::k_d, "output_viscous")),
       asymmetry(
           "output_friction_asymmetry", "the same of output_friction",
           [](auto& in) { return &in.sea.output_friction_asymmetry; }, &Sea::output_friction),
@@ -165,29 +165,29 @@ std::vector<RigTerm> friction_terms() {
 std::vector<RigTerm> drive_terms() {
   constexpr auto kShared = Scope::kShared;
   return {
-      // Of a drive whose command is known; without one nothing depends on it.
+      // Only for drives whose command is known: without one nothing depends on it.
       only_with(optional(nuisance("k_t", "Nm/unit", "the motor's torque for a unit of its command", kShared, 1,
                                   [](auto& in) { return &in.sea.k_t; }),
                          1, &Sea::k_t, "k_t"),
                 {&Sea::k_t}),
-      // Where something is carried something rubs: friction is asked for first.
+      // What the spring loads also rubs without load: constant friction is tested first.
       only_with(stored(bounded(nuisance("spring_loss", "1", "dry friction on the motor over the spring's torque",
                                         kShared, 0.05, [](auto& in) { return &in.sea.spring_loss; }),
                                0, 1, 0)),
                 {&Sea::friction}),
-      // As much torque as the linear part at a deflection of 1 rad.
+      // Typical size: as much torque as the linear part at a deflection of 1 rad.
       in_ladder(
           bounded(optional(nuisance("stiffening", "Nm/rad^3", "cubic stiffness of the spring; below 0: it softens",
                                     kShared, 10, [](auto& in) { return &in.sea.k_sea_cubic; }),
                            1, &Sea::k_sea, "k_sea_cubic"),
                   -Term::kInfinity, Term::kInfinity, 0)),
-      // From where the rig or a start has it; what no trial meets says nothing.
+      // Starts at the rig's or the start's value; no effect where no trial reaches the limit.
       stored(bounded(nuisance("tau_max", "Nm", "limit of the spring's torque", kShared, 10,
                               [](auto& in) { return &in.sea.tau_max; }),
                      0, Term::kInfinity, Term::kInfinity)),
   };
 }
-/// What may be wrong in every trial alike: numbers of the rig, gains of its sensors.
+/// Scale errors that all trials share: numbers of the rig, gains of its sensors.
 std::vector<RigTerm> rig_scale_terms() {
   constexpr auto kShared = Scope::kShared;
   return {
@@ -202,7 +202,7 @@ std::vector<RigTerm> rig_scale_terms() {
                                     0.01, 100, 1))),
   };
 }
-/// What each trial has for its own.
+/// Terms that each trial has for itself.
 std::vector<RigTerm> trial_terms() {
   constexpr auto kEach = Scope::kEach;
   return {
@@ -215,21 +215,21 @@ std::vector<RigTerm> trial_terms() {
       with_error("time_shift", bounded(nuisance("time_shift", "s", "by which the hit came later than logged", kEach,
                                                 1e-3, [](auto& in) { return &in.nuisance.time_shift; }),
                                        -0.1, 0.1, 0)),
-      between_samples(),
+      force_interpolation(),
   };
 }
-/// Of a log of the spring's torque.
+/// Sensor errors of a log of the spring's torque.
 std::vector<RigTerm> torque_terms() {
   constexpr auto kShared = Scope::kShared;
   return {
-      of_torque(bounded(nuisance("torque_gain", "1", "the logged torque over the spring's", kShared, 1,
-                                 [](auto& in) { return &in.nuisance.torque_gain; }),
-                        0.01, 100, 1)),
-      of_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
-                         [](auto& in) { return &in.nuisance.torque_bias; })),
+      needs_torque(bounded(nuisance("torque_gain", "1", "the logged torque over the spring's", kShared, 1,
+                                    [](auto& in) { return &in.nuisance.torque_gain; }),
+                           0.01, 100, 1)),
+      needs_torque(nuisance("torque_bias", "Nm", "the logged torque minus the spring's", kShared, 0.1,
+                            [](auto& in) { return &in.nuisance.torque_bias; })),
   };
 }
-/// How late the drive is.
+/// Delay and filter of the drive.
 std::vector<RigTerm> lag_terms() {
   return {
       lag("control_delay", "delay", "from what the drive measures, or is told, to its torque",
@@ -239,7 +239,7 @@ std::vector<RigTerm> lag_terms() {
                 {&Sea::k_d}),
   };
 }
-/// Stribeck's, of whatever dry friction there is.
+/// The Stribeck effect, on the dry friction of either side.
 std::vector<RigTerm> stribeck_terms() {
   constexpr auto kShared = Scope::kShared;
   return {
@@ -254,7 +254,7 @@ std::vector<RigTerm> stribeck_terms() {
                 {&Sea::breakaway}),
   };
 }
-/// All of them, in the order in which they are told.
+/// All terms, in the order of reports.
 std::vector<RigTerm> table() {
   std::vector<RigTerm> out;
   for (const auto part : {five_constants, friction_terms, drive_terms, rig_scale_terms, trial_terms, torque_terms,
@@ -263,7 +263,7 @@ std::vector<RigTerm> table() {
   return out;
 }
 
-/// What tells a term by itself, where logs of hits cannot.
+/// An experiment that measures a term where logs of hits cannot.
 struct Measure {
   const char *term, *experiment;
 };

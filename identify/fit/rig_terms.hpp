@@ -16,14 +16,14 @@ namespace ukemi::identify {
 using SmallJet = ceres::Jet<double, kSmallJet>;
 using LargeJet = ceres::Jet<double, kLargeJet>;
 
-/// What a rollout takes that can be differentiated by.
+/// The inputs by which a rollout can be differentiated.
 template <class T>
 struct RolloutInputs {
   SeaParameters<T> sea;
   Nuisance<T> nuisance = {};
 };
 
-/// Where a term's value stands in them, for each scalar: the rollout's derivative by it is exact.
+/// Accessor of a term's value in these inputs, for each scalar type: the rollout's derivative by it is exact.
 struct InputField {
   double* (*in_double)(RolloutInputs<double>&) = nullptr;
   SmallJet* (*in_small)(RolloutInputs<SmallJet>&) = nullptr;
@@ -52,47 +52,47 @@ struct RigTerm : Term {
   InputField field = {};
   /// What a value does to copies of the rig, the actuator and the trial's log; applied before the fields are set.
   std::function<void(double value, Rig& rig, SeaParameters<double>& sea, Trial& log)> change = {};
-  /// The typical size is this part of a constant at the start, where that is above 0.
+  /// The typical size is `part` of this constant at the start, where that is above 0.
   double SeaParameters<double>::*relative_to = nullptr;
   double part = 1;
   bool in_ladder = false;  ///< the model ladder tries the fit with and without it
-  /// It is tested for only where one of these constants is there: without them, it says nothing. Empty: everywhere.
+  /// It is tested only where one of these constants is not 0: without them it has no effect. Empty: always.
   std::vector<double SeaParameters<double>::*> only_with = {};
-  /// It has a say only in trials that log this column.
+  /// It has an effect only on trials that log this column.
   struct LogColumn {
     const char* name;
     std::vector<double> Trial::*at;
   };
   std::optional<LogColumn> needs = {};
-  std::string key = {};                ///< its name in actuator.toml; empty: it is no constant of the actuator
+  std::string key = {};                ///< its key in actuator.toml; empty: it is no constant of the actuator
   const RigErrorKey* error = nullptr;  ///< the rig states its error: it is considered where it is not fitted
-  bool tested = true;                  ///< the residuals are asked for it; else another term does all that it does
-  /// What would tell it by itself, without a fit: an imperative.
+  bool tested = true;                  ///< its score is tested; false: another term has the same effect
+  /// How to measure it without a fit, as an imperative.
   std::string measure = {};
 
   /// Whether any of the trials logs what it needs.
-  bool has_a_say(const std::vector<Trial>& trials) const;
-  /// Its value in an actuator; its absence where it is none of an actuator's.
+  bool applies_to(const std::vector<Trial>& trials) const;
+  /// Its value in an actuator; `absent` where it has no field there.
   double value_in(const SeaParameters<double>& sea) const;
-  /// A value, brought within the term's bounds; nothing where it is none of an actuator's.
+  /// Sets a value, clamped to the term's bounds; no effect where it has no field.
   void set_in(SeaParameters<double>& sea, double value) const;
-  /// As a column that starts at an actuator's value, off its bound; where a constant is 0 there its size is as
-  /// suggested.
+  /// The term as a problem's parameter that starts at an actuator's value, off its bound; a constant that is 0 there is
+  /// scaled by the suggested one.
   Parameter column(const SeaParameters<double>& start, const SeaParameters<double>& suggested,
                    const Choice& choice) const;
 };
 
-/// The name of the term that bends the force between its samples, see Trial::force_smooth.
+/// The name of the term for the force's curve between its samples, see Trial::force_smooth.
 inline constexpr const char* kForceSmooth = "force_smooth";
 
 /// The table: the five constants in their order, then the others.
 const std::vector<RigTerm>& rig_terms();
-/// All five constants, nothing along.
+/// All five constants free, no nuisance terms.
 Terms<RigTerm> rig_choice();
 
 using RigLayout = Layout<RigTerm>;
 
-/// What a trial's rollout takes at a point of the problem.
+/// The inputs of a trial's rollout at a point of the problem.
 class RigPoint {
  public:
   RigPoint(const RigLayout& layout, const double* shared, const double* own)
@@ -105,13 +105,13 @@ class RigPoint {
       if (t.field) t.field.of(in) = lift(value, column);
     });
   }
-  /// The actuator `base` and the trial's own terms at this point.
+  /// The actuator `base` and the trial's nuisance values at this point.
   RolloutInputs<double> inputs(const SeaParameters<double>& base) const {
     RolloutInputs<double> out{base};
     place(out, [](double v, std::size_t) { return v; });
     return out;
   }
-  /// f(rig, base, trial), each with what the terms without a field change; as they are where there is no such term.
+  /// f(rig, base, trial) with the terms' changes applied (RigTerm::change); unchanged where no term has one.
   template <class F>
   auto with_changes(const Rig& rig, const SeaParameters<double>& base, const PreparedTrial& trial, F&& f) const {
     bool any = false;

@@ -14,9 +14,9 @@
 namespace ukemi::identify {
 
 void StartOptions::validate() const {
-  constexpr long kMost = 1'000'000;
-  check_count("draws", draws, 1, kMost), check_count("draws_near", draws_near, 1, kMost);
-  check_count("steps", steps, 1, kMost), check_positive("accuracy of starts", accuracy);
+  constexpr long kMaxCount = 1'000'000;
+  check_count("draws", draws, 1, kMaxCount), check_count("draws_near", draws_near, 1, kMaxCount);
+  check_count("steps", steps, 1, kMaxCount), check_positive("accuracy of starts", accuracy);
   check_positive("apart - 1", apart - 1), check_positive("spread - 1", spread - 1);
   check_not_negative("sample_steps", sample_steps), check_not_negative("fit_steps", fit_steps);
   check_not_negative("fit_sample_steps", fit_sample_steps), check_not_negative("fit_starts", fit_starts);
@@ -38,7 +38,7 @@ double dominant_frequency(const Trial& trial, const std::vector<double>& x) {
   return deviation2 > 0 ? std::sqrt(rate2 / deviation2) : 0;
 }
 
-/// The spring's, measured; empty where one side was not.
+/// Measured deflection of the spring; empty where one side was not logged.
 std::vector<double> deflection(const Trial& trial) {
   if (trial.phi.empty() || trial.phi_motor.empty()) return {};
   std::vector<double> out(trial.phi.size());
@@ -46,18 +46,18 @@ std::vector<double> deflection(const Trial& trial) {
   return out;
 }
 
-/// Command for a unit of angle, where the command is known: the smallest controller's gain, or as their ranges have it;
-/// else 1.
+/// Drive command per unit of angle: the smallest of the controllers' gains and of the ratios of the logged ranges; 1
+/// where no command is known.
 double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  double gain = kNone;
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  double gain = kUnknown;
   for (const Trial& trial : trials) {
     const Drive& drive = trial.rig_or(rig).drive;
     const double command = largest_deviation(trial.command), angle = largest_deviation(trial.phi);
     if (drive.kind == Drive::Kind::kController) gain = std::min(gain, drive.gain);
     if (drive.kind == Drive::Kind::kCommand && command > 0 && angle > 0) gain = std::min(gain, command / angle);
   }
-  return gain < kNone ? gain : 1;
+  return gain < kUnknown ? gain : 1;
 }
 
 }  // namespace
@@ -65,21 +65,21 @@ double command_gain(const Rig& rig, const std::vector<Trial>& trials) {
 Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
   Suggestion s;
   double largest_deflection = 0, omega = 0, num_p = 0, den_p = 0, num_d = 0, den_d = 0;
-  int with_frequency = 0;
+  int frequencies = 0;
   struct Balance {
-    double torque = 0, torque_t = 0, phi = 0, phi_t = 0, moved = 0;
+    double torque = 0, torque_t = 0, phi = 0, phi_t = 0, displacement = 0;
   };
-  std::vector<Balance> all;
+  std::vector<Balance> balances;
   for (const Trial& trial : trials) {
     const std::vector<double> spring = deflection(trial);
-    const bool known = trial.rig_or(rig).drive.kind != Drive::Kind::kGains;
-    if (const double w = dominant_frequency(trial, known && !spring.empty() ? spring : trial.phi);
+    const bool command_known = trial.rig_or(rig).drive.kind != Drive::Kind::kGains;
+    if (const double w = dominant_frequency(trial, command_known && !spring.empty() ? spring : trial.phi);
         w > 0 && std::isfinite(w))
-      omega += w, ++with_frequency;
+      omega += w, ++frequencies;
     largest_deflection = std::max(largest_deflection, largest_deviation(spring));
     s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
     if (trial.force.empty() || trial.phi.empty()) continue;
-    Balance m;
+    Balance b;
     const Gravity& gravity = trial.rig_or(rig).gravity;
     const double sag = gravity.moment == 0 ? 0 : trial.phi[0] - (trial.phi_ref.empty() ? 0 : trial.phi_ref[0]);
     const std::vector<double> force = force_at_samples(trial);
@@ -90,61 +90,61 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
       const double torque =
           0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]) -
           gravity.moment * std::sin(0.5 * (trial.phi[i] + trial.phi[i + 1]) - gravity.hanging);
-      m.torque += torque * dt, m.torque_t += torque * t * dt, m.phi += phi * dt, m.phi_t += phi * t * dt;
-      m.moved += (phi - sag) * dt;
+      b.torque += torque * dt, b.torque_t += torque * t * dt, b.phi += phi * dt, b.phi_t += phi * t * dt;
+      b.displacement += (phi - sag) * dt;
     }
-    num_p += m.torque * m.phi, den_p += m.phi * m.phi, den_d += m.moved * m.moved;
-    all.push_back(m);
+    num_p += b.torque * b.phi, den_p += b.phi * b.phi, den_d += b.displacement * b.displacement;
+    balances.push_back(b);
   }
-  omega = with_frequency > 0 ? std::clamp(omega / with_frequency, 1.0, 1e3) : 20;
+  omega = frequencies > 0 ? std::clamp(omega / frequencies, 1.0, 1e3) : 20;
   const double k_p = den_p > 0 ? num_p / den_p : 0;
-  for (const Balance& m : all) num_d += (k_p * m.phi_t - m.torque_t) * m.moved;
+  for (const Balance& b : balances) num_d += (k_p * b.phi_t - b.torque_t) * b.displacement;
   const double k_d = den_d > 0 ? num_d / den_d : 0;
 
-  const bool moments = k_p > 0 && std::isfinite(k_p);
+  const bool gains_known = k_p > 0 && std::isfinite(k_p);
   const double stiffness = rig.inertia * omega * omega;
-  s.centre.k_p = moments ? k_p : stiffness;
-  s.centre.k_d = moments && k_d > 0 ? k_d : 0.3 * s.centre.k_p / omega;
+  s.centre.k_p = gains_known ? k_p : stiffness;
+  s.centre.k_d = gains_known && k_d > 0 ? k_d : 0.3 * s.centre.k_p / omega;
   s.centre.k_sea = 2 * std::max(stiffness, 0.5 * s.centre.k_p);
   s.centre.c_sea = 0.3 * s.centre.k_sea / omega;
   s.centre.i_motor = s.centre.k_p / (omega * omega);
   s.centre.k_t = s.centre.k_p / command_gain(rig, trials);
-  s.spread_gains = moments ? 1.2 : 30;
+  s.spread_gains = gains_known ? 1.2 : 30;
   s.spread_rest = 10;
   s.torque = s.centre.k_sea * largest_deflection;
   return s;
 }
 
-std::vector<SeaParameters<double>> draw_starts(const Suggestion& about, int count, std::uint64_t seed) {
-  std::vector<SeaParameters<double>> out(std::size_t(std::max(count, 0)), about.centre);
-  std::vector<int> layer(out.size());
-  // f(a start, its place from -1 to 1) in an order of their own for each k
-  const auto in_layers = [&](std::size_t k, const auto& f) {
+std::vector<SeaParameters<double>> draw_starts(const Suggestion& s, int count, std::uint64_t seed) {
+  std::vector<SeaParameters<double>> out(std::size_t(std::max(count, 0)), s.centre);
+  std::vector<int> stratum(out.size());
+  // Latin hypercube: f(start, position from -1 to 1), the strata in an independent random order for each dimension k
+  const auto stratify = [&](std::size_t k, const auto& f) {
     Random random(seed, k);
-    std::iota(layer.begin(), layer.end(), 0);
-    for (std::size_t i = layer.size(); i > 1; --i)
-      std::swap(layer[i - 1], layer[std::size_t(random.uniform() * double(i))]);
-    for (std::size_t i = 0; i < out.size(); ++i) f(out[i], 2 * (layer[i] + random.uniform()) / count - 1);
+    std::iota(stratum.begin(), stratum.end(), 0);
+    for (std::size_t i = stratum.size(); i > 1; --i)
+      std::swap(stratum[i - 1], stratum[std::size_t(random.uniform() * double(i))]);
+    for (std::size_t i = 0; i < out.size(); ++i) f(out[i], 2 * (stratum[i] + random.uniform()) / count - 1);
   };
-  const std::array<double, kConstants> spread = {about.spread_gains, about.spread_gains * 1.5, about.spread_rest,
-                                                 about.spread_rest, about.spread_rest};
+  const std::array<double, kConstants> spread = {s.spread_gains, s.spread_gains * 1.5, s.spread_rest, s.spread_rest,
+                                                 s.spread_rest};
   for (std::size_t k = 0; k < kConstants; ++k)
-    in_layers(k, [&](SeaParameters<double>& sea, double place) {
+    stratify(k, [&](SeaParameters<double>& sea, double position) {
       auto u = constants(sea);
-      const double factor = std::pow(spread[k], place);
+      const double factor = std::pow(spread[k], position);
       u[k] *= factor;
       set_constants(sea, u);
       if (k == 0) sea.k_t *= factor;  // where the command is known it stands for K_p
     });
-  if (!(about.torque > 0 && about.rate > 0)) return out;
+  if (!(s.torque > 0 && s.rate > 0)) return out;
   using Sea = SeaParameters<double>;
   std::size_t k = kConstants;
-  for (const auto& [friction, typical] : {std::pair(&Sea::friction, about.torque),
-                                          {&Sea::output_friction, about.torque},
-                                          {&Sea::viscous, about.torque / about.rate},
-                                          {&Sea::output_viscous, about.torque / about.rate}})
-    in_layers(k++, [&, f = friction, middle = typical](Sea& sea, double place) {
-      sea.*f = middle * std::pow(about.spread_rest, place);
+  for (const auto& [friction, typical] : {std::pair(&Sea::friction, s.torque),
+                                          {&Sea::output_friction, s.torque},
+                                          {&Sea::viscous, s.torque / s.rate},
+                                          {&Sea::output_viscous, s.torque / s.rate}})
+    stratify(k++, [&, f = friction, middle = typical](Sea& sea, double position) {
+      sea.*f = middle * std::pow(s.spread_rest, position);
     });
   return out;
 }

@@ -33,7 +33,7 @@ struct TrialBlock {
       done = pass<SmallJet>(point, 0, residuals, jacobian);
     else
       done = passes<LargeJet>(point, residuals, jacobian);
-    if (!done || (jacobian && !differences(shared, own, jacobian))) return false;
+    if (!done || (jacobian && !difference_columns(shared, own, jacobian))) return false;
     if (weighting.u.size() == 0) return true;
     const auto whiten = [&](double* column) { weighting.whiten(Eigen::Map<Eigen::VectorXd>(column, long(size()))); };
     whiten(residuals);
@@ -48,7 +48,7 @@ struct TrialBlock {
   };
   /// The predictions with derivatives by the columns from `first` on, as many as T has slots.
   template <class T>
-  bool roll(const RigPoint& point, std::size_t first, Outputs<T>& out) const {
+  bool simulate(const RigPoint& point, std::size_t first, Outputs<T>& out) const {
     const auto lift = [&](double value, [[maybe_unused]] std::size_t column) {
       T x(value);
       if constexpr (kDerivatives < T >> 0)
@@ -65,7 +65,7 @@ struct TrialBlock {
   }
   /// f(measured, predicted, row, weight) for each output.
   template <class T, class F>
-  void compare(const Outputs<T>& out, F&& f) const {
+  void for_each_output(const Outputs<T>& out, F&& f) const {
     const Trial& log = *trial.trial;
     f(log.phi, out.phi, std::size_t(0), weighting.weight);
     f(log.phi_motor, out.phi_m, log.phi.size(), weighting.weight);
@@ -76,21 +76,20 @@ struct TrialBlock {
   template <class T>
   bool pass(const RigPoint& point, std::size_t first, double* residuals, [[maybe_unused]] double* jacobian) const {
     thread_local Outputs<T> out;
-    if (!roll(point, first, out)) return false;
-    compare(out,
-            [&](const std::vector<double>& measured, const std::vector<T>& predicted, std::size_t row, double weight) {
-              for (std::size_t i = 0; i < measured.size(); ++i)
-                residuals[row + i] = weight * (value_of(predicted[i]) - measured[i]);
-              if constexpr (kDerivatives < T >> 0) {
-                const std::size_t last = std::min(columns.size(), first + std::size_t(kDerivatives<T>));
-                for (std::size_t k = first; k < last; ++k) {
-                  const double factor = weight / columns[k].scale;
-                  double* column = jacobian + k * size() + row;
-                  for (std::size_t i = 0; i < measured.size(); ++i)
-                    column[i] = factor * predicted[i].v[long(k - first)];
-                }
-              }
-            });
+    if (!simulate(point, first, out)) return false;
+    for_each_output(
+        out, [&](const std::vector<double>& measured, const std::vector<T>& predicted, std::size_t row, double weight) {
+          for (std::size_t i = 0; i < measured.size(); ++i)
+            residuals[row + i] = weight * (value_of(predicted[i]) - measured[i]);
+          if constexpr (kDerivatives < T >> 0) {
+            const std::size_t last = std::min(columns.size(), first + std::size_t(kDerivatives<T>));
+            for (std::size_t k = first; k < last; ++k) {
+              const double factor = weight / columns[k].scale;
+              double* column = jacobian + k * size() + row;
+              for (std::size_t i = 0; i < measured.size(); ++i) column[i] = factor * predicted[i].v[long(k - first)];
+            }
+          }
+        });
     return true;
   }
   template <class T>
@@ -100,29 +99,29 @@ struct TrialBlock {
     return true;
   }
 
-  /// The columns of terms whose derivative is not exact, by differences within their bounds.
-  bool differences(const double* shared, const double* own, double* jacobian) const {
-    constexpr double kStep = 1e-3;  // of the scale: as far from the integrator's error as from the curvature
-    std::vector<double> at(shared, shared + layout.shared.size());
-    at.insert(at.end(), own, own + layout.own.size());
+  /// The columns of terms with a RigTerm::change, by central differences within their bounds.
+  bool difference_columns(const double* shared, const double* own, double* jacobian) const {
+    constexpr double kStep = 1e-3;  // of the scale: balances the integrator's error and the curvature
+    std::vector<double> point(shared, shared + layout.shared.size());
+    point.insert(point.end(), own, own + layout.own.size());
     bool done = true;
     layout.for_each(shared, own, [&](const RigTerm& term, double value, std::size_t k) {
       if (!term.change || !done) return;
       const Parameter& p = columns[k];
-      const double from = std::max(value - kStep * p.scale, p.lower), to = std::min(value + kStep * p.scale, p.upper);
+      const double low = std::max(value - kStep * p.scale, p.lower), high = std::min(value + kStep * p.scale, p.upper);
       Outputs<double> out[2];
       for (const int side : {0, 1}) {
-        at[k] = side ? to : from;
-        const RigPoint point(layout, at.data(), at.data() + layout.shared.size());
-        done = done && roll(point, 0, out[side]);
+        point[k] = side ? high : low;
+        const RigPoint moved(layout, point.data(), point.data() + layout.shared.size());
+        done = done && simulate(moved, 0, out[side]);
       }
-      at[k] = value;
+      point[k] = value;
       if (!done) return;
       for (const int side : {0, 1})
-        compare(out[side], [&](const std::vector<double>& measured, const std::vector<double>& predicted,
-                               std::size_t row, double weight) {
+        for_each_output(out[side], [&](const std::vector<double>& measured, const std::vector<double>& predicted,
+                                       std::size_t row, double weight) {
           double* column = jacobian + k * size() + row;
-          const double factor = weight / (to - from);
+          const double factor = weight / (high - low);
           for (std::size_t i = 0; i < measured.size(); ++i)
             column[i] = side ? column[i] + factor * predicted[i] : -factor * predicted[i];
         });
@@ -131,7 +130,7 @@ struct TrialBlock {
   }
 };
 
-/// Those that are given, and what the rig states of terms that are fitted.
+/// The given priors, and the rig's stated errors as priors of the terms that are fitted.
 std::vector<Prior> priors_of(const Rig& rig, const Terms<RigTerm>& terms) {
   std::vector<Prior> out = terms.priors;
   for (const RigTerm& t : *terms.table) {

@@ -11,9 +11,9 @@
 
 namespace ukemi::identify {
 
-/// Residuals predicted minus measured, phi, phi_motor, then torque by angle_per_torque, as each trial's weighting has
-/// them; parameters start at `start` and are scaled by it, see RigTerm::column. A prior's standard deviation weighs as
-/// much as the logs' own noise. `rig`, `prepared`, `weights` and the layout's terms must outlive the problem.
+/// Residuals predicted minus measured, phi, phi_motor, then torque by angle_per_torque, by each trial's weighting;
+/// parameters start at `start` and are scaled by it, see RigTerm::column. A prior's standard deviation weighs as much
+/// as the logs' own noise. `rig`, `prepared`, `weights` and the layout's terms must outlive the problem.
 LeastSquaresProblem make_problem(const Rig& rig, const std::vector<PreparedTrial>& prepared,
                                  const std::vector<Weighting>& weights, const SeaParameters<double>& start,
                                  const Suggestion& suggestion, const RigLayout& layout, const FitOptions& options,

@@ -26,41 +26,41 @@ Eigen::VectorXd predicted(const Rig& rig, const SeaParameters<double>& sea, cons
 
 }  // namespace
 
-Weighting weigh_force_noise(const Rig& rig, const SeaParameters<double>& sea, const Nuisance<double>& nuisance,
-                            const Trial& trial, double angle_noise, const RolloutOptions& options) {
-  constexpr std::size_t kParts = 8, kMostHits = 4;
-  constexpr double kNothing = 1e-3;  // variance beside that of the angle noise
+Weighting force_noise_weighting(const Rig& rig, const SeaParameters<double>& sea, const Nuisance<double>& nuisance,
+                                const Trial& trial, double angle_noise, const RolloutOptions& options) {
+  constexpr std::size_t kParts = 8, kMaxHits = 4;
+  constexpr double kNegligible = 1e-3;  // variance beside that of the angle noise
   Weighting out;
   if (!(trial.force_noise > 0 && angle_noise > 0)) return out;
-  const Eigen::VectorXd at = predicted(rig, sea, nuisance, trial, options);
-  if (at.size() == 0) return out;
-  std::vector<LoggedHit> all = hits(trial, trial.force_noise, trial.force_rest);
-  std::sort(all.begin(), all.end(),
+  const Eigen::VectorXd nominal = predicted(rig, sea, nuisance, trial, options);
+  if (nominal.size() == 0) return out;
+  std::vector<LoggedHit> longest = hits(trial, trial.force_noise, trial.force_rest);
+  std::sort(longest.begin(), longest.end(),
             [](const LoggedHit& a, const LoggedHit& b) { return a.last - a.first > b.last - b.first; });
-  if (all.size() > kMostHits) all.resize(kMostHits);  // the longest carry the noise
-  std::vector<Eigen::VectorXd> moved;
-  for (const LoggedHit& h : all) {
+  if (longest.size() > kMaxHits) longest.resize(kMaxHits);  // the longest carry the noise
+  std::vector<Eigen::VectorXd> responses;
+  for (const LoggedHit& h : longest) {
     const std::size_t samples = h.last + 1 - h.first, parts = std::min(kParts, samples);
     for (std::size_t p = 0; p < parts; ++p) {
       const std::size_t from = h.first + samples * p / parts, to = h.first + samples * (p + 1) / parts;
-      Trial off = trial;
-      for (std::size_t i = from; i < to; ++i) off.force[i] += trial.force_noise / std::sqrt(double(to - from));
-      const Eigen::VectorXd there = predicted(rig, sea, nuisance, off, options);
-      if (there.size() == 0) return out;
-      moved.push_back((there - at) / angle_noise);
+      Trial log = trial;
+      for (std::size_t i = from; i < to; ++i) log.force[i] += trial.force_noise / std::sqrt(double(to - from));
+      const Eigen::VectorXd perturbed = predicted(rig, sea, nuisance, log, options);
+      if (perturbed.size() == 0) return out;
+      responses.push_back((perturbed - nominal) / angle_noise);
     }
   }
-  if (moved.empty()) return out;
-  Eigen::MatrixXd ways(at.size(), long(moved.size()));
-  for (std::size_t k = 0; k < moved.size(); ++k) ways.col(long(k)) = moved[k];
-  const SymmetricEigen eigen = symmetric_eigen(ways.transpose() * ways);
+  if (responses.empty()) return out;
+  Eigen::MatrixXd directions(nominal.size(), long(responses.size()));
+  for (std::size_t k = 0; k < responses.size(); ++k) directions.col(long(k)) = responses[k];
+  const SymmetricEigen eigen = symmetric_eigen(directions.transpose() * directions);
   long first = 0;
-  while (first < eigen.values.size() && eigen.values[first] < kNothing) ++first;
+  while (first < eigen.values.size() && eigen.values[first] < kNegligible) ++first;
   const long count = eigen.values.size() - first;
   if (count == 0) return out;
-  const Eigen::ArrayXd squares = eigen.values.tail(count);
-  out.u = ways * eigen.vectors.rightCols(count) * squares.rsqrt().matrix().asDiagonal();
-  out.shrink = 1 - (1 + squares).rsqrt();
+  const Eigen::ArrayXd s_squared = eigen.values.tail(count);
+  out.u = directions * eigen.vectors.rightCols(count) * s_squared.rsqrt().matrix().asDiagonal();
+  out.shrink = 1 - (1 + s_squared).rsqrt();
   return out;
 }
 

@@ -80,15 +80,15 @@ ColumnMap::ColumnMap(const std::string& option, const std::string& map, std::vec
       for (const Column& c : known_) names.push_back(c.name);
       throw InputError(option + ": " + one_of(name, names));
     }
-    if (given_.contains(name)) throw InputError(option + ": " + quoted(name) + ": named twice");
+    if (mapped_.contains(name)) throw InputError(option + ": " + quoted(name) + ": named twice");
     Source s = parse_source(option, item.substr(equals + 1));
     s.scale *= unit_of(s.column, it->quantity);
-    given_[name] = s;
+    mapped_[name] = s;
   }
 }
 
 std::vector<Source> ColumnMap::candidates(const std::string& name) const {
-  if (const auto it = given_.find(name); it != given_.end()) return {it->second};
+  if (const auto it = mapped_.find(name); it != mapped_.end()) return {it->second};
   std::vector<Source> out{{name, 1}};
   for (const Column& c : known_)
     if (c.name == name)
@@ -107,7 +107,7 @@ std::vector<std::string> ColumnMap::missing_from(const CsvTable& table) const {
   std::vector<std::string> out;
   for (const Column& c : known_) {
     const std::vector<Source> names = candidates(c.name);
-    if (given_.contains(c.name) ||
+    if (mapped_.contains(c.name) ||
         std::any_of(names.begin(), names.end(), [&](const Source& s) { return table.find(s.column) >= 0; }))
       continue;
     for (const Source& s : names) out.push_back(s.column);
@@ -125,15 +125,15 @@ int ColumnMap::find(const CsvTable& table, const std::string& name, Source& sour
                        "column " + quoted(s.column) + ": '" + name + "' is given twice");
     found = c, source = s;
   }
-  if (const auto it = given_.find(name); found < 0 && it != given_.end())
+  if (const auto it = mapped_.find(name); found < 0 && it != mapped_.end())
     throw InputError({table.file, table.header_line},
                      "no column " + quoted(it->second.column) + hint(it->second.column, table.header));
   return found;
 }
 
 std::optional<double> ColumnMap::constant(const CsvTable& table, const std::string& name) const {
-  const auto it = given_.find(name);
-  if (it == given_.end() || table.find(it->second.column) >= 0) return std::nullopt;
+  const auto it = mapped_.find(name);
+  if (it == mapped_.end() || table.find(it->second.column) >= 0) return std::nullopt;
   const std::string& text = it->second.column;
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -152,8 +152,8 @@ std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map
   for (std::size_t c = 0; c < table.header.size(); ++c)
     for (const std::string& name : wants(table.header[c]) ? std::vector<std::string>{} : missing)
       if (lower(name) == lower(table.header[c])) table.refuse_unread(c, " (did you mean \"" + name + "\"?)");
-  for (const auto& [c, near] : table.near_misses(wants, missing))
-    out.push_back("column " + quoted(table.header[c]) + " is not read" + near);
+  for (const auto& [c, suggestion] : table.near_misses(wants, missing))
+    out.push_back("column " + quoted(table.header[c]) + " is not read" + suggestion);
   return out;
 }
 

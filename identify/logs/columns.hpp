@@ -19,7 +19,7 @@ struct Column {
   Quantity quantity;
 };
 
-/// Where a quantity stands in a file.
+/// The column of a file that holds a quantity.
 struct Source {
   std::string column;  ///< name in the file
   double scale = 1;    ///< to SI, sign included
@@ -32,24 +32,23 @@ class ColumnMap {
   /// `known` (nearest given), and a scale that is 0 or not finite.
   ColumnMap(const std::string& option, const std::string& map, std::vector<Column> known);
 
-  /// Whether a column of the file is one that the map or the known names ask for.
+  /// Whether a column of the file is named by the map or by a known name.
   bool wants(const std::string& column) const;
-  /// Every name that a quantity would have which is in no column of `table`, nor in the map.
+  /// The possible column names of every quantity that is neither in `table` nor in the map.
   std::vector<std::string> missing_from(const CsvTable& table) const;
   /// Index in `table` of the column that holds `name`, with its scale in `source`; -1 where there is none. Throws
   /// InputError where two columns hold it, and where the map names a column that is not there.
   int find(const CsvTable& table, const std::string& name, Source& source) const;
-  /// Where the map gives `name` a number instead of a column of `table`: that, in SI.
+  /// The number [SI] that the map gives `name` instead of a column of `table`, if any.
   std::optional<double> constant(const CsvTable& table, const std::string& name) const;
 
  private:
   std::vector<Source> candidates(const std::string& name) const;
   std::vector<Column> known_;
-  std::map<std::string, Source> given_;
+  std::map<std::string, Source> mapped_;
 };
 
-/// Notes of columns that are not read and look like a quantity that is in none. Throws InputError where only the case
-/// is wrong.
+/// Notes on columns that are not read and resemble a missing quantity. Throws InputError where only the case differs.
 std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map);
 
 }  // namespace ukemi::identify

@@ -17,7 +17,7 @@ void require(const Trial& trial, const std::vector<double>& column, const std::s
 
 std::vector<double> drive_command(const Trial& trial, const Drive& drive) {
   std::vector<double> out = trial.command;
-  if (!drive.by_command()) return out;
+  if (!drive.known_command()) return out;
   if (drive.kind == Drive::Kind::kCommand) {
     require(trial, out, "command", "--drive command, or a [drive] without command_gain,");
   } else {
@@ -31,8 +31,8 @@ std::vector<double> drive_command(const Trial& trial, const Drive& drive) {
   for (std::size_t i = 0; i < out.size(); ++i) {
     out[i] = std::clamp(out[i], -drive.limit, drive.limit);
     if (i == 0) continue;
-    const double most = drive.rate * (trial.t[i] - trial.t[i - 1]);
-    out[i] = std::clamp(out[i], out[i - 1] - most, out[i - 1] + most);
+    const double max_change = drive.rate * (trial.t[i] - trial.t[i - 1]);
+    out[i] = std::clamp(out[i], out[i - 1] - max_change, out[i - 1] + max_change);
   }
   return out;
 }

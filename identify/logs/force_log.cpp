@@ -19,23 +19,22 @@ double rest_of(const std::vector<double>& x) {
   return median({x.begin(), x.begin() + long(std::min(x.size(), std::max<std::size_t>(5, x.size() / 50)))});
 }
 
-/// Index of the first sample that is beyond `threshold` from `rest`, as is the one after it; size() where there is
-/// none.
-std::size_t departure(const std::vector<double>& x, double rest, double threshold) {
+/// Index of the first of two consecutive samples farther than `threshold` from `rest`; size() where there is none.
+std::size_t onset(const std::vector<double>& x, double rest, double threshold) {
   for (std::size_t i = 0; i < x.size(); ++i)
     if (std::abs(x[i] - rest) > threshold && (i + 1 == x.size() || std::abs(x[i + 1] - rest) > threshold)) return i;
   return x.size();
 }
 
-/// What tells motion from noise, and from the wobble before it.
+/// Deviation from rest that is motion, not noise or slow drift.
 double threshold_of(const std::vector<double>& x, double rest) {
   return std::max(6 * noise_level(x), 0.02 * largest_deviation(x, rest));
 }
 
-/// When the free link under the force has turned by `angle` either way; the log's end where it never does.
-double free_link_reaches(const ForceLog& log, const Rig& rig, double angle) {
+/// Time when a free link under the force has turned by `angle` either way [s]; the log's end where it does not.
+double free_link_time_to(const ForceLog& log, const Rig& rig, double angle) {
   const double rest = rest_of(log.force);
-  const std::size_t first = departure(log.force, rest, threshold_of(log.force, rest));
+  const std::size_t first = onset(log.force, rest, threshold_of(log.force, rest));
   if (first == log.force.size())
     throw InputError({log.file}, "the force never leaves its rest: without an onset the clocks cannot be aligned");
   double phi = 0, rate = 0;
@@ -49,10 +48,10 @@ double free_link_reaches(const ForceLog& log, const Rig& rig, double angle) {
   return log.t.back();
 }
 
-double align(const Trial& trial, const ForceLog& log, const Rig& rig) {
+double aligning_shift(const Trial& trial, const ForceLog& log, const Rig& rig) {
   if (trial.phi.empty()) throw InputError({trial.file}, "no measured angle: the force's clock cannot be aligned to it");
   const double rest = rest_of(trial.phi), threshold = threshold_of(trial.phi, rest);
-  const std::size_t i = departure(trial.phi, rest, threshold);
+  const std::size_t i = onset(trial.phi, rest, threshold);
   if (i == trial.phi.size() || threshold == 0)
     throw InputError({trial.file}, "the angle never leaves its rest: without an onset the clocks cannot be aligned");
   double t = trial.t[i];
@@ -60,7 +59,7 @@ double align(const Trial& trial, const ForceLog& log, const Rig& rig) {
     const double before = std::abs(trial.phi[i - 1] - rest), after = std::abs(trial.phi[i] - rest);
     if (before < threshold) t -= (trial.t[i] - trial.t[i - 1]) * (after - threshold) / (after - before);
   }
-  return t - free_link_reaches(log, rig, threshold);
+  return t - free_link_time_to(log, rig, threshold);
 }
 
 }  // namespace
@@ -103,13 +102,13 @@ double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceCloc
   trial.validate(), log.validate(), rig.validate();
   if (!trial.force.empty())
     throw InputError({trial.file}, "a force in the trial beside the force log " + log.file + ": one of them is needed");
-  const double shift = clock == ForceClock::kOwn ? align(trial, log, rig) : log.t_origin - trial.t_origin;
+  const double shift = clock == ForceClock::kOwn ? aligning_shift(trial, log, rig) : log.t_origin - trial.t_origin;
   const double begin = log.t.front() + shift, end = log.t.back() + shift;
   if (end <= trial.t.front() || begin >= trial.t.back())
     throw InputError({log.file}, fmt::format("the force runs from {} to {} s, the angle in {} from {} to {} s: they do "
                                              "not overlap; a clock of its own? then --force-clock own",
-                                             trial.own_time(begin), trial.own_time(end), trial.file,
-                                             trial.own_time(trial.t.front()), trial.own_time(trial.t.back())));
+                                             trial.clock_time(begin), trial.clock_time(end), trial.file,
+                                             trial.clock_time(trial.t.front()), trial.clock_time(trial.t.back())));
   trial.force = log.force;
   trial.force_t = log.t;
   for (double& t : trial.force_t) t += shift;
@@ -117,8 +116,8 @@ double attach_force(Trial& trial, const ForceLog& log, const Rig& rig, ForceCloc
                interval = (trial.t.back() - trial.t.front()) / double(trial.samples() - 1);
   if (missing > 3 * interval)
     trial.notes.push_back(fmt::format("the force in {} covers {} to {} s of {} to {} s: taken as 0 outside", log.file,
-                                      trial.own_time(begin), trial.own_time(end), trial.own_time(trial.t.front()),
-                                      trial.own_time(trial.t.back())));
+                                      trial.clock_time(begin), trial.clock_time(end), trial.clock_time(trial.t.front()),
+                                      trial.clock_time(trial.t.back())));
   const std::vector<double>& r = trial.phi_ref;
   if (clock == ForceClock::kOwn && std::adjacent_find(r.begin(), r.end(), std::not_equal_to<>()) != r.end())
     trial.notes.push_back("the reference moves too: the onset that the force in " + log.file +

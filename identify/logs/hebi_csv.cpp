@@ -12,7 +12,7 @@ namespace {
 
 using Values = std::vector<double> HebiModule::*;
 
-/// The fields that are read, in lower case without '_' and blanks, "command" as "cmd".
+/// The fields that are read, in lower case without '_' and blanks, "command" abbreviated to "cmd".
 const std::map<std::string, Values> kFields = {{"time", &HebiModule::t},
                                                {"position", &HebiModule::position},
                                                {"velocity", &HebiModule::velocity},
@@ -25,7 +25,7 @@ const std::map<std::string, Values> kFields = {{"time", &HebiModule::t},
                                                {"effortcmd", &HebiModule::effort_command}};
 
 struct Field {
-  Values values = nullptr;  ///< none: not a field that is read
+  Values values = nullptr;  ///< null: not a field that is read
   int index = 0;            ///< of the module, from 1; 0: no index
 };
 
@@ -65,7 +65,7 @@ HebiLog read_hebi_csv(const std::string& path) {
       path, [](const std::string& name) { return parse_name(name).values != nullptr; }, NanCells::kAsEmpty);
   HebiLog log;
   log.file = path;
-  std::map<int, HebiModule> modules;  // by index; what has none belongs to all
+  std::map<int, HebiModule> modules;  // by index; fields without one are common to all
   HebiModule common;
   for (std::size_t c = 0; c < table.header.size(); ++c) {
     const Field f = parse_name(table.header[c]);

@@ -16,9 +16,9 @@ namespace ukemi::identify {
 
 namespace {
 
-constexpr double kDuplicate = 0.1;  ///< of the nominal interval: closer stamps are one sample
-constexpr double kGap = 3;          ///< nominal intervals
-constexpr double kDisorder = 1;     ///< how far stamps may go back [s]
+constexpr double kDuplicate = 0.1;  ///< in nominal intervals: closer stamps are duplicates
+constexpr double kGap = 3;          ///< in nominal intervals: longer ones are gaps
+constexpr double kDisorder = 1;     ///< largest backward step of a stamp that is sorted [s]
 
 std::string plural(std::size_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -27,11 +27,11 @@ std::string plural(std::size_t n, const char* one, const char* many) {
 /// Indices of the samples of a trial, in order of time.
 std::vector<std::size_t> order_samples(const HebiLog& log, const HebiModule& m, std::vector<std::string>& notes) {
   std::vector<std::size_t> order;
-  std::size_t lost = 0, back = 0;
+  std::size_t missing = 0, backward = 0;
   double latest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < m.t.size(); ++i) {
     if (!std::isfinite(m.t[i]) || !std::isfinite(m.position[i])) {
-      ++lost;
+      ++missing;
       continue;
     }
     if (m.t[i] < latest - kDisorder)
@@ -39,13 +39,13 @@ std::vector<std::size_t> order_samples(const HebiLog& log, const HebiModule& m, 
                        fmt::format("sample {}: its stamp {} s stands {} s before an earlier one: at most {} "
                                    "s can be sorted",
                                    i + 1, shortest(m.t[i]), shortest(latest - m.t[i]), shortest(kDisorder)));
-    if (m.t[i] < latest) ++back;
+    if (m.t[i] < latest) ++backward;
     latest = std::max(latest, m.t[i]);
     order.push_back(i);
   }
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return m.t[a] < m.t[b]; });
-  if (lost > 0) notes.push_back(plural(lost, "sample", "samples") + " without time or position dropped");
-  if (back > 0) notes.push_back(plural(back, "stamp", "stamps") + " out of order sorted");
+  if (missing > 0) notes.push_back(plural(missing, "sample", "samples") + " without time or position dropped");
+  if (backward > 0) notes.push_back(plural(backward, "stamp", "stamps") + " out of order sorted");
   return order;
 }
 

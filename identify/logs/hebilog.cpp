@@ -23,10 +23,10 @@ constexpr std::size_t kUnknownSize = 12, kRecordHeader = 26, kAddress = 8;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-bool ends_as_hebilog(const std::string& path) {
-  constexpr std::string_view kTail = ".hebilog";
-  return path.size() >= kTail.size() &&
-         std::equal(kTail.begin(), kTail.end(), path.end() - long(kTail.size()),
+bool has_hebilog_extension(const std::string& path) {
+  constexpr std::string_view kExtension = ".hebilog";
+  return path.size() >= kExtension.size() &&
+         std::equal(kExtension.begin(), kExtension.end(), path.end() - long(kExtension.size()),
                     [](char a, char b) { return a == char(std::tolower(static_cast<unsigned char>(b))); });
 }
 
@@ -36,11 +36,11 @@ std::string address_of(const Bytes& b, std::size_t at) {
   return fmt::format("{}.{}.{}.{}", byte(0), byte(1), byte(2), byte(3));
 }
 
-/// Calls use(field) for each field of a message.
-template <class Use>
-void for_fields(const Bytes& message, Use&& use) {
+/// Calls visit(field) for each field of a message.
+template <class Visit>
+void for_fields(const Bytes& message, Visit&& visit) {
   ProtobufReader reader(message);
-  for (ProtobufField f; reader.next(f);) use(f);
+  for (ProtobufField f; reader.next(f);) visit(f);
 }
 
 /// A submessage; InputError where the field is of another wire type.
@@ -55,7 +55,7 @@ double float_of(const Bytes& in, const ProtobufField& f) {
 }
 
 /// {1: revolutions (zigzag), 2: offset [rad]}: an angle of many turns [rad].
-double turns(const Bytes& message) {
+double multi_turn_angle(const Bytes& message) {
   double revolutions = 0, offset = kNone;
   for_fields(message, [&](const ProtobufField& f) {
     if (f.number == 1 && f.type == ProtobufField::Type::kVarint) revolutions = double(zigzag(f.value));
@@ -64,10 +64,10 @@ double turns(const Bytes& message) {
   return 2 * std::numbers::pi * revolutions + offset;
 }
 
-/// A field from 1 on that is a float: into its place of the list, if it has one.
+/// Reads field n, a float, into targets[n - 1], if there is one; n counts from 1.
 template <class Number>
-void set_float(const Bytes& in, const ProtobufField& f, std::initializer_list<Number*> places) {
-  if (f.number <= places.size()) *places.begin()[f.number - 1] = float_of(in, f);
+void set_float(const Bytes& in, const ProtobufField& f, std::initializer_list<Number*> targets) {
+  if (f.number <= targets.size()) *targets.begin()[f.number - 1] = float_of(in, f);
 }
 
 HebiGains read_gains(const Bytes& message) {
@@ -76,7 +76,7 @@ HebiGains read_gains(const Bytes& message) {
   return g;
 }
 
-/// 20: names, controller, spring.
+/// Field 20: names, controller, spring.
 void read_info(const Bytes& message, HebiModule& m) {
   for_fields(message, [&](const ProtobufField& f) {
     if (f.number == 1)
@@ -94,13 +94,13 @@ void read_info(const Bytes& message, HebiModule& m) {
   });
 }
 
-/// Calls use(message, field) for each field of the part .9 of a message.
-template <class Use>
-void for_fields_of_nine(const Bytes& in, const ProtobufField& f, Use&& use) {
+/// Calls visit(message, field) for each field of submessage 9 of a field.
+template <class Visit>
+void for_fields_of_part_nine(const Bytes& in, const ProtobufField& f, Visit&& visit) {
   for_fields(submessage(in, f), [&](const ProtobufField& n) {
     if (n.number != 9) return;
     const Bytes& nine = submessage(f.bytes, n);
-    for_fields(nine, [&](const ProtobufField& field) { use(nine, field); });
+    for_fields(nine, [&](const ProtobufField& field) { visit(nine, field); });
   });
 }
 
@@ -111,17 +111,17 @@ void read_payload(const Bytes& payload, double t, HebiModule& m) {
     column->push_back(kNone);
   double fine_position = kNone;
   for_fields(payload, [&](const ProtobufField& f) {
-    if (f.number == 10)  // 10.9: what the module was told
-      for_fields_of_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
+    if (f.number == 10)  // 10.9: commands
+      for_fields_of_part_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
         set_float(in, n, {&m.position_command.back(), &m.velocity_command.back(), &m.effort_command.back()});
       });
-    if (f.number == 11)  // 11.9: what it measured
-      for_fields_of_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
+    if (f.number == 11)  // 11.9: measurements
+      for_fields_of_part_nine(payload, f, [&](const Bytes& in, const ProtobufField& n) {
         set_float(
             in, n,
             {&m.position.back(), &m.velocity.back(), &m.effort.back(), &m.deflection.back(), &m.motor_velocity.back()});
-        if (n.number == 12) fine_position = turns(submessage(in, n));
-        if (n.number == 13) m.motor_position.back() = turns(submessage(in, n));
+        if (n.number == 12) fine_position = multi_turn_angle(submessage(in, n));
+        if (n.number == 13) m.motor_position.back() = multi_turn_angle(submessage(in, n));
       });
     if (f.number == 20) read_info(submessage(payload, f), m);
   });
@@ -158,7 +158,7 @@ std::vector<HebiModule> read_header(const Bytes& all) {
 }  // namespace
 
 bool is_hebilog(const std::string& path) {
-  if (ends_as_hebilog(path)) return true;
+  if (has_hebilog_extension(path)) return true;
   const std::string text = read_binary_file(path, 2);
   return text.size() == 2 && text[0] == char(kMagic >> 8) && text[1] == char(kMagic & 0xFF);
 }

@@ -25,7 +25,7 @@ struct HebiModule {
   std::vector<double> t;               ///< from the log's first stamp [s], as received: may repeat or go back
   std::vector<double> position;        ///< output, after the spring [rad]
   std::vector<double> velocity;        ///< output [rad/s]
-  std::vector<double> effort;          ///< by the module from its deflection [Nm]
+  std::vector<double> effort;          ///< computed by the module from its deflection [Nm]
   std::vector<double> deflection;      ///< across the spring [rad]; effort = -spring constant * deflection
   std::vector<double> motor_velocity;  ///< before the gear [rad/s]
   std::vector<double> motor_position;  ///< before the gear, counted from power-up [rad]
@@ -38,7 +38,7 @@ struct HebiLog {
   std::vector<std::string> notes;  ///< what was left out while reading
 };
 
-/// Whether a file is a binary log: by its first two bytes, or by its name where it is too short to tell.
+/// Whether a file is a binary log: by its first two bytes, or by its name where it is shorter.
 bool is_hebilog(const std::string& path);
 
 /// Reads a binary log: header, records of feedback and of feedback with info. A file that ends inside its last record
@@ -52,9 +52,9 @@ HebiLog read_hebilog(const std::string& path);
 bool is_hebi_csv(const std::string& path);
 
 /// Reads the vendor's CSV export. Columns by the names of the fields (time, position, velocity, effort, deflection,
-/// motorVelocity, motorPosition, positionCmd, velocityCmd, effortCmd), whatever their case, with an index behind them
-/// where the log has several modules: position1, position_1, position(1). t is the file's `time` as it stands. Throws
-/// InputError like read_csv ("nan" is a value that is missing, no error), and on a column that is given twice.
+/// motorVelocity, motorPosition, positionCmd, velocityCmd, effortCmd), whatever their case, with an index after them
+/// where the log has several modules: position1, position_1, position(1). t is the file's `time`, unchanged. Throws
+/// InputError like read_csv ("nan" is a missing value, no error), and on a column that is given twice.
 HebiLog read_hebi_csv(const std::string& path);
 
 }  // namespace ukemi::identify

@@ -10,7 +10,7 @@ namespace ukemi::identify {
 
 namespace {
 
-/// Samples before the force first exceeds a twentieth of its largest, but for the last fifth, which may hold its rise.
+/// Number of samples before the force first exceeds a twentieth of its maximum, less a fifth, which may hold its rise.
 std::size_t samples_at_rest(const std::vector<double>& force) {
   const double small = 0.05 * largest_deviation(force);
   std::size_t n = 0;
@@ -29,15 +29,15 @@ const std::vector<double>& force_times(const Trial& trial) { return trial.force_
 }  // namespace
 
 std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest) {
-  constexpr double kLoud = 5;  // noise alone is so 6e-7 of the time
+  constexpr double kDetection = 5;  // in standard deviations: noise alone exceeds it 6e-7 of the time
   const std::vector<double>& f = trial.force;
   std::vector<LoggedHit> out;
   for (std::size_t i = 0; i < f.size(); ++i) {
-    if (!(std::abs(f[i] - rest) > kLoud * noise)) continue;
+    if (!(std::abs(f[i] - rest) > kDetection * noise)) continue;
     const auto acts = [&](std::size_t k) { return std::abs(f[k] - rest) > noise && (f[k] > rest) == (f[i] > rest); };
     LoggedHit hit{i, i};
-    const std::size_t floor = out.empty() ? 0 : out.back().last + 1;
-    while (hit.first > floor && acts(hit.first - 1)) --hit.first;
+    const std::size_t earliest = out.empty() ? 0 : out.back().last + 1;
+    while (hit.first > earliest && acts(hit.first - 1)) --hit.first;
     while (hit.last + 1 < f.size() && acts(hit.last + 1)) ++hit.last;
     if (!out.empty() && out.back().last + 1 == hit.first)
       out.back().last = hit.last;
@@ -49,72 +49,72 @@ std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest) {
 }
 
 double force_noise_before_first_hit(const Trial& trial) {
-  constexpr std::size_t kFewest = 9;
+  constexpr std::size_t kMinSamples = 9;
   const std::size_t n = samples_at_rest(trial.force);
-  if (n < kFewest) return 0;
+  if (n < kMinSamples) return 0;
   const double level = mean(trial.force, n);
   double square = 0, steps = 0;
   for (std::size_t i = 0; i < n; ++i) square += (trial.force[i] - level) * (trial.force[i] - level);
   for (std::size_t i = 1; i < n; ++i) steps += std::pow(trial.force[i] - trial.force[i - 1], 2);
-  // Of white noise a step has twice the variance; of a force that rises smoothly much less.
+  // A step of white noise has twice its variance; of a smoothly rising force much less.
   return steps > 0.5 * square ? std::sqrt(square / double(n - 1)) : 0;
 }
 
-void rest_between_hits(Trial& trial, std::optional<double> noise) {
+void flatten_force_between_hits(Trial& trial, std::optional<double> noise) {
   if (trial.force.empty()) return;
   double sigma = noise ? *noise : force_noise_before_first_hit(trial);
   if (!(sigma > 0)) return;
   const std::size_t n = samples_at_rest(trial.force);
   double rest = n > 0 ? mean(trial.force, n) : 0;
   if (std::abs(rest) <= 4 * sigma / std::sqrt(double(std::max<std::size_t>(n, 1)))) rest = 0;
-  // The few samples before the hit tell where hits are; all samples between hits then tell the noise better.
-  constexpr double kMore = 2;  // what is taken away must be noise of the size that there was before
-  const double most = kMore * sigma;
-  std::vector<double> quiet;
+  // The samples before the first hit locate the hits; all samples between hits then give the noise better.
+  constexpr double kMaxRatio = 2;  // of what is removed, over the noise before the first hit
+  const double max_noise = kMaxRatio * sigma;
+  std::vector<double> flattened;
   for (int pass = 0; pass < (noise ? 1 : 3); ++pass) {
-    quiet.assign(trial.force.size(), rest);
+    flattened.assign(trial.force.size(), rest);
     for (const LoggedHit& h : hits(trial, sigma, rest))
       std::copy(trial.force.begin() + long(h.first), trial.force.begin() + long(h.last) + 1,
-                quiet.begin() + long(h.first));
+                flattened.begin() + long(h.first));
     double square = 0, count = 0;
-    for (std::size_t i = 0; i < quiet.size(); ++i)
-      if (quiet[i] != trial.force[i]) square += (trial.force[i] - rest) * (trial.force[i] - rest), ++count;
+    for (std::size_t i = 0; i < flattened.size(); ++i)
+      if (flattened[i] != trial.force[i]) square += (trial.force[i] - rest) * (trial.force[i] - rest), ++count;
     if (count == 0) break;
-    if (square > most * most * count) return;
+    if (square > max_noise * max_noise * count) return;
     if (!noise) sigma = std::sqrt(square / count);
   }
-  trial.force = std::move(quiet);
+  trial.force = std::move(flattened);
   trial.force_noise = sigma, trial.force_rest = rest;
 }
 
 std::vector<Gap> gaps(const Trial& trial) {
   std::vector<Gap> out;
-  const auto look = [&](const std::vector<double>& t) {
+  const auto find_gaps = [&](const std::vector<double>& t) {
     if (t.size() < 3) return;
     std::vector<double> intervals;
     for (std::size_t i = 0; i + 1 < t.size(); ++i) intervals.push_back(t[i + 1] - t[i]);
-    const auto usual = intervals.begin() + long(0.95 * double(intervals.size() - 1));
-    std::nth_element(intervals.begin(), usual, intervals.end());
-    const double longest = 1.5 * *usual;
+    const auto quantile_95 = intervals.begin() + long(0.95 * double(intervals.size() - 1));
+    std::nth_element(intervals.begin(), quantile_95, intervals.end());
+    const double threshold = 1.5 * *quantile_95;
     const std::vector<double>& ft = force_times(trial);
-    const double loud = std::max(0.005 * largest_deviation(trial.force), 5 * trial.force_noise);
+    const double acting = std::max(0.005 * largest_deviation(trial.force), 5 * trial.force_noise);
     for (std::size_t i = 0; i + 1 < t.size(); ++i) {
-      if (t[i + 1] - t[i] < longest) continue;
-      bool acts = false;  // from the force's last sample before to its first after
+      if (t[i + 1] - t[i] < threshold) continue;
+      bool acts = false;  // from the last sample of the force before the gap to the first after it
       auto k = std::size_t(std::upper_bound(ft.begin(), ft.end(), t[i]) - ft.begin());
       for (k = k > 0 ? k - 1 : 0; k < trial.force.size(); ++k) {
-        acts = acts || std::abs(trial.force[k]) > loud;
+        acts = acts || std::abs(trial.force[k]) > acting;
         if (ft[k] >= t[i + 1]) break;
       }
       out.push_back({t[i], t[i + 1] - t[i], acts ? Gap::Place::kInHit : Gap::Place::kAtRest});
     }
   };
-  look(trial.t);
-  if (!trial.force_t.empty()) look(trial.force_t);
+  find_gaps(trial.t);
+  if (!trial.force_t.empty()) find_gaps(trial.force_t);
   return out;
 }
 
-std::optional<double> answer_to_first_hit(const Trial& trial) {
+std::optional<double> first_hit_correlation(const Trial& trial) {
   if (trial.force.empty() || trial.phi.size() < 9) return std::nullopt;
   const std::vector<double> force = force_at_samples(trial);
   const double small = 0.05 * largest_deviation(force);
@@ -127,14 +127,14 @@ std::optional<double> answer_to_first_hit(const Trial& trial) {
   for (std::size_t i = 0; i < end && i < ref.size(); ++i)
     if (ref[i] != ref[0]) return std::nullopt;
   const double start = mean(trial.phi, begin > 0 ? begin : 1);
-  double both = 0, of_force = 0, of_angle = 0;
+  double cross = 0, force_square = 0, angle_square = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const double angle = trial.phi[i] - start;
-    both += force[i] * angle, of_force += force[i] * force[i], of_angle += angle * angle;
+    cross += force[i] * angle, force_square += force[i] * force[i], angle_square += angle * angle;
   }
   const double noise = noise_level(trial.phi);
-  if (!(of_angle > 25 * noise * noise * double(end - begin))) return std::nullopt;
-  return both / std::sqrt(of_force * of_angle);
+  if (!(angle_square > 25 * noise * noise * double(end - begin))) return std::nullopt;
+  return cross / std::sqrt(force_square * angle_square);
 }
 
 }  // namespace ukemi::identify

@@ -9,34 +9,34 @@
 
 namespace ukemi::identify {
 
-/// Samples first .. last of a trial's force, between which it acts.
+/// A hit: samples first .. last of a trial's force.
 struct LoggedHit {
   std::size_t first, last;
 };
-/// The hits of a log whose load cell adds `noise` [N, standard deviation] to `rest` [N]: from where the force leaves
-/// rest by more than 5 times the noise, back and on to where it is within it. Without noise: wherever it is not at
-/// rest.
+/// The hits of a log whose load cell adds `noise` [N, standard deviation] to `rest` [N]: each sample
+/// farther from rest than 5 times the noise, extended both ways to where the force is within the noise. Without noise:
+/// wherever it is not at rest.
 std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest = 0);
 
-/// Standard deviation of the force before the first hit [N]; 0 where there are too few samples before it or where they
-/// are no noise: samples that follow each other smoothly are a force.
+/// Standard deviation of the force before the first hit [N]; 0 where there are too few samples before it, or where they
+/// are smooth: then they are a force, not noise.
 double force_noise_before_first_hit(const Trial& trial);
 
-/// Between hits nothing touches the link: there the force becomes what the load cell reads at rest, 0 unless its mean
+/// Sets the force between hits, where nothing touches the link, to the load cell's reading at rest: 0 unless its mean
 /// before the first hit differs from 0 by more than 4 of its standard errors. Sets Trial::force_noise and force_rest.
-/// `noise` [N] >= 0, or estimated as above and then from all samples between hits; with none, nothing changes. A force
-/// that is not at rest between its hits, noise apart, is left as it is.
-void rest_between_hits(Trial& trial, std::optional<double> noise = std::nullopt);
+/// `noise` [N] >= 0; absent: estimated as above, then from all samples between hits. No change without noise, or where
+/// the force is not at rest between its hits.
+void flatten_force_between_hits(Trial& trial, std::optional<double> noise = std::nullopt);
 
-/// An interval in which samples are missing: 1.5 times what 95 % of the intervals are at most, or longer.
+/// An interval in which samples are missing: at least 1.5 times the 95 % quantile of the intervals.
 struct Gap {
-  double t, length;                            ///< where it begins, how long it is [s]
-  enum class Place { kAtRest, kInHit } place;  ///< kInHit: the force is lost there, or what it did to the angle at once
+  double t, length;                            ///< start and length [s]
+  enum class Place { kAtRest, kInHit } place;  ///< kInHit: the force, or its immediate effect, was not logged
 };
 std::vector<Gap> gaps(const Trial& trial);
 
-/// Correlation of the angle with the force within the first hit: near 1, the angle answers along the force. None where
-/// the angle does not stand out of its noise, or the reference moves by then.
-std::optional<double> answer_to_first_hit(const Trial& trial);
+/// Correlation of the angle with the force within the first hit: 1 where the link moves along the force. None where the
+/// angle does not exceed its noise, or the reference has moved by then.
+std::optional<double> first_hit_correlation(const Trial& trial);
 
 }  // namespace ukemi::identify

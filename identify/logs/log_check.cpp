@@ -30,38 +30,38 @@ bool warn_of_gaps(const std::vector<Trial>& trials, std::vector<std::string>& wa
       warnings.push_back(
           fmt::format("{}: a gap of {:.3g} ms at {} s, in a hit: what the force did there is lost; no "
                       "constant is trusted",
-                      t.file, 1e3 * g.length, t.own_time(g.t)));
+                      t.file, 1e3 * g.length, t.clock_time(g.t)));
     }
     if (longest && !in_hit)
       warnings.push_back(fmt::format("{}: {} in the log, the longest of {:.3g} ms at {} s", t.file,
                                      all.size() == 1 ? "a gap" : fmt::format("{} gaps", all.size()),
-                                     1e3 * longest->length, t.own_time(longest->t)));
+                                     1e3 * longest->length, t.clock_time(longest->t)));
   }
   return any_in_hit;
 }
 
 /// Warns of a force whose sign is flipped; true where one is.
 bool warn_of_signs(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
-  constexpr double kAgainst = -0.3;
-  std::vector<const Trial*> against;
-  std::size_t judged = 0;
+  constexpr double kFlippedBelow = -0.3;
+  std::vector<const Trial*> flipped;
+  std::size_t tested = 0;
   for (const Trial& t : trials)
-    if (const auto answer = answer_to_first_hit(t)) {
-      ++judged;
-      if (*answer < kAgainst) against.push_back(&t);
+    if (const auto correlation = first_hit_correlation(t)) {
+      ++tested;
+      if (*correlation < kFlippedBelow) flipped.push_back(&t);
     }
-  if (against.empty()) return false;
-  if (against.size() == judged) {
+  if (flipped.empty()) return false;
+  if (flipped.size() == tested) {
     warnings.push_back(
         "the link moves against the force in every trial: its sign is flipped? try -F: force=-... in "
         "--columns (or --force-columns)");
     return true;
   }
-  for (const Trial* t : against)
+  for (const Trial* t : flipped)
     warnings.push_back(
         fmt::format("{}: the link moves against the force, unlike in {} of {} trials: its sign is flipped "
                     "in this log?",
-                    t->file, judged - against.size(), judged));
+                    t->file, tested - flipped.size(), tested));
   return true;
 }
 

@@ -1,4 +1,4 @@
-// What is wrong with logs whatever the model: short pulses, gaps, a force whose sign is flipped.
+// Defects of logs that need no model: short pulses, gaps, a force whose sign is flipped.
 #pragma once
 
 #include <string>

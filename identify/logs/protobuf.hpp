@@ -1,4 +1,4 @@
-// Protobuf's wire format, read with bounds: fields of one message, one after the other.
+// Bounds-checked reader of protobuf's wire format: iterates over the fields of one message.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace ukemi::identify {
 
-/// Bytes of a file, with where they stand in it. Every read is checked; errors name the byte.
+/// Bytes of a file, with their offset in it. Every read is checked; errors name the byte.
 struct Bytes {
   std::string_view data;
   std::size_t offset = 0;             ///< of data[0] in the file

@@ -25,9 +25,9 @@ const std::vector<Column> kColumns = {{"t", Quantity::kTime},          {"phi", Q
                                       {"command", Quantity::kCommand}, {"torque", Quantity::kTorque},
                                       {"dphi", Quantity::kRate},       {"dphi_motor", Quantity::kRate}};
 
-/// The angle that an encoder's rate is the change of from sample to sample, from 0 on. Exact but for the encoder's
-/// step, where the rate was formed so.
-std::vector<double> summed(const std::vector<double>& t, const std::vector<double>& rate) {
+/// The angle as the running sum of an encoder's rate, from 0 on. Exact to the encoder's step where the rate is the
+/// encoder's change from sample to sample.
+std::vector<double> running_sum(const std::vector<double>& t, const std::vector<double>& rate) {
   std::vector<double> out(rate.size(), 0.0);
   for (std::size_t i = 1; i < rate.size(); ++i) out[i] = out[i - 1] + rate[i] * (t[i] - t[i - 1]);
   return out;
@@ -40,7 +40,7 @@ bool zero(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [](double v) { return v == 0; });
 }
 
-/// How to say that a column which is read as radians holds degrees; empty where it is read as something else.
+/// Advice for a column that is read as radians and may hold degrees; empty where it is read in another unit.
 std::string advice_on_unit(const std::string& name, const Source& s) {
   if (std::abs(s.scale) != 1) return "";
   return fmt::format("are these degrees? then name the column {}_deg, or give --columns {}={}*{}; ", name, name,
@@ -85,7 +85,7 @@ Trial read_trial(const std::string& path, const TrialOptions& options) {
   if (trial.t.empty()) missing("t");
   const auto sum = [&](const char* name, const std::vector<double>& rate, std::vector<double>& angle) {
     if (rate.empty() || !angle.empty()) return;
-    angle = summed(trial.t, rate);
+    angle = running_sum(trial.t, rate);
     trial.notes.push_back(
         fmt::format("the angle is the running sum of {}, from 0 on: right for an encoder's rate", name));
   };
@@ -111,9 +111,9 @@ void count_from_first(Trial& trial) {
   trial.t_origin += first;
 }
 
-std::string Trial::own_time(double at) const {
-  constexpr double kMicro = 1e6;
-  return shortest(std::round((t_origin + at) * kMicro) / kMicro);
+std::string Trial::clock_time(double at) const {
+  constexpr double kMicroseconds = 1e6;
+  return shortest(std::round((t_origin + at) * kMicroseconds) / kMicroseconds);
 }
 
 void Trial::validate() const {
@@ -126,7 +126,7 @@ void Trial::validate() const {
   };
   check_times("t", t);
   if (!force_t.empty()) check_times("force_t", force_t);
-  constexpr double kMost = 1e12;  // its square, summed, is a number
+  constexpr double kMost = 1e12;  // sums of squares stay finite
   const auto check = [&](const char* name, const std::vector<double>& column, std::size_t rows) {
     if (!column.empty() && column.size() != rows)
       throw InputError(
@@ -141,7 +141,7 @@ void Trial::validate() const {
   check("force", force, force_t.empty() ? t.size() : force_t.size());
   if (!dphi_ref.empty() && phi_ref.empty()) throw InputError(what + ": dphi_ref without phi_ref");
   check_not_negative(what + ": force_noise", force_noise), check_finite(what + ": force_rest", force_rest);
-  // Differences by these two step over their bounds: `fit` holds the bounds.
+  // Only finite: finite differences step over the bounds, which `fit` checks.
   check_finite(what + ": force_smooth", force_smooth);
   if (rig) rig->validate();
 }
@@ -181,21 +181,21 @@ std::vector<double> force_at_samples(const Trial& trial) {
 int shortest_pulse(const Trial& trial) {
   const double peak = largest_deviation(trial.force);
   if (peak == 0) return 0;
-  int fewest = 0, run = 0;
+  int shortest_run = 0, run = 0;
   for (std::size_t i = 0; i <= trial.force.size(); ++i) {
     if (i < trial.force.size() && std::abs(trial.force[i]) > 0.05 * peak) {
       ++run;
     } else if (run > 0) {
-      fewest = fewest == 0 ? run : std::min(fewest, run);
+      shortest_run = shortest_run == 0 ? run : std::min(shortest_run, run);
       run = 0;
     }
   }
-  return fewest;
+  return shortest_run;
 }
 
 double angle_per_torque(const Trial& trial) {
   if (trial.torque.empty()) return 0;
-  constexpr double kExact = 1e-6;  // of a column's range: no log is better than that
+  constexpr double kExact = 1e-6;  // of a column's range: lower bound of its noise
   const auto noise = [](const std::vector<double>& x) {
     return x.empty() ? 0 : std::max(noise_level(x), kExact * largest_deviation(x, x.front()));
   };

@@ -22,41 +22,41 @@ struct Trial {
   std::vector<double> phi_ref;    ///< reference [rad]; held from sample to sample, linear where dphi_ref is given
   std::vector<double> dphi_ref;   ///< [rad/s]; linear between samples
   std::vector<double> phi_motor;  ///< measured motor angle at the gear's output side [rad]
-  std::vector<double> command;    ///< what the motor was told [V, A or Nm]; held from sample to sample
+  std::vector<double> command;    ///< command of the motor [V, A or Nm]; held from sample to sample
   std::vector<double> torque;     ///< measured torque of the spring, as it turns the output [Nm]
-  std::optional<Rig> rig = {};    ///< a rig of its own, in place of the other trials'
+  std::optional<Rig> rig = {};    ///< the trial's own rig; absent: that of all trials
   double force_smooth = 0;  ///< between its samples the force is 0: linear, 1: a smooth curve; see force_curve.hpp
   double force_noise = 0;   ///< standard deviation of each sample of the force within hits [N]; see hits.hpp
-  double force_rest = 0;    ///< what the load cell reads between hits, where that has been worked out [N]
+  double force_rest = 0;    ///< reading of the load cell between hits, where estimated [N]
   std::vector<std::string> notes;  ///< what was handled and counted while reading, a sentence each
 
   std::size_t samples() const { return t.size(); }
-  /// The rig that it was logged on: its own, else that of the others.
+  /// The rig that it was logged on: its own, else `common`.
   const Rig& rig_or(const Rig& common) const { return rig ? *rig : common; }
   /// The outputs that a fit compares; those that were not logged are empty.
   std::array<const std::vector<double>*, 3> measured() const { return {&phi, &phi_motor, &torque}; }
-  /// How many samples of them.
+  /// Number of samples of the measured outputs.
   std::size_t measurements() const { return phi.size() + phi_motor.size() + torque.size(); }
-  /// What the file's own clock read at t = `at`, to a microsecond, "1700000000.25" [s]: where a reader finds it.
-  std::string own_time(double at) const;
+  /// The time of the file's clock at t = `at`, to a microsecond, "1700000000.25" [s].
+  std::string clock_time(double at) const;
   void validate() const;  ///< throws InputError naming the file, the column and the sample
 };
-/// Makes t = 0 of the first sample, in t, force_t and t_origin: a recorder's clock may count from 1970.
+/// Shifts t, force_t and t_origin so that the first sample is at t = 0: a recorder's clock may count from 1970.
 void count_from_first(Trial& trial);
 
 /// How a file's columns become a Trial.
 struct TrialOptions {
   std::string columns;      ///< "t=Time,phi=-defl_deg,force=0.001*Fy,...": name here = scale * name there
-  bool require_phi = true;  ///< prediction can do without
-  enum class Force { kInFile, kElsewhere } force = Force::kInFile;       ///< kElsewhere: a log of its own brings it
+  bool require_phi = true;  ///< false: for prediction
+  enum class Force { kInFile, kElsewhere } force = Force::kInFile;       ///< kElsewhere: a separate log holds it
   enum class Angles { kOneTurn, kMultiTurn } angles = Angles::kOneTurn;  ///< kOneTurn refuses |angle| > 2 pi
   double gear_ratio = 1;                                                 ///< divides phi_motor
 };
 
 /// Reads a trial file (CSV). Columns by name: t, phi, force, phi_ref, dphi_ref, phi_motor, command, torque, dphi,
 /// dphi_motor; unit suffixes convert (see Quantity). Where an angle was not logged but its rate was, the angle is the
-/// rate's running sum. Times count from the first row (t_origin). A column of which only the case is wrong is an error
-/// where the quantity is in no other; one that looks like a missing quantity is noted. Throws InputError with
+/// rate's running sum. Times count from the first row (t_origin). A column name that is wrong only in its case is an
+/// error where no other holds the quantity; one that resembles a missing quantity is noted. Throws InputError with
 /// file:line:column on whatever read_csv refuses, on a missing column (nearest name given), fewer than two rows, an
 /// empty cell, a time_fault, and an angle beyond 2 pi unless multi-turn.
 Trial read_trial(const std::string& path, const TrialOptions& options = {});

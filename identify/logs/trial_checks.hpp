@@ -1,4 +1,4 @@
-// What a log says of itself: whether anything moves the rig, how noisy it is.
+// Properties of logs: whether anything moves the rig, noise, pulses.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace ukemi::identify {
 
-/// How many rad count as much as 1 Nm of a logged torque: the angles' noise over the torque's, so that each residual
-/// weighs by its own noise [rad/Nm]; 0 where none is logged.
+/// Weight of a logged torque's residuals relative to angles': noise of the angles over noise of the torque [rad/Nm];
+/// 0 where no torque is logged.
 double angle_per_torque(const Trial& trial);
-/// Those of all trials.
+/// Number of measured samples of all trials.
 long measurements(const std::vector<Trial>& trials);
 
 /// Throws InputError, naming the file and the rule, where nothing moves the rig: no force or all of it zero, and a
-/// reference that stays where it is. A trial that starts at rest then says nothing about the actuator.
+/// reference that stays where it is. Such a trial holds no information about the actuator.
 void require_excitation(const Trial& trial);
 
 /// Whether two trials hold the same numbers, whatever their files are called.
@@ -24,7 +24,7 @@ bool same_content(const Trial& a, const Trial& b);
 /// The force at the times of `t`, linear between its own samples and 0 outside of them [N]; empty without force.
 std::vector<double> force_at_samples(const Trial& trial);
 
-/// Fewest samples of any pulse of the force (a run above 5 % of the largest |force|); 0 without force.
+/// Samples of the shortest pulse of the force (a run above 5 % of the largest |force|); 0 without force.
 int shortest_pulse(const Trial& trial);
 
 using ukemi::noise_level;

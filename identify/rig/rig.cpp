@@ -21,8 +21,8 @@ void Rig::validate() const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   if (drive.limit != kNone) check_positive("rig: command_limit", drive.limit);
   if (drive.rate != kNone) check_positive("rig: command_rate", drive.rate);
-  if (drive.control_delay) check_range("rig: control_delay", *drive.control_delay, lateness());
-  if (drive.velocity_filter) check_range("rig: velocity_filter", *drive.velocity_filter, lateness());
+  if (drive.control_delay) check_range("rig: control_delay", *drive.control_delay, delay_range());
+  if (drive.velocity_filter) check_range("rig: velocity_filter", *drive.velocity_filter, delay_range());
   for (const RigErrorKey& k : rig_error_keys()) check_not_negative(std::string("rig: errors: ") + k.key, errors.*k.at);
 }
 
@@ -30,23 +30,23 @@ namespace {
 
 Drive read_drive(TomlSection& s, std::optional<Feedback> feedback) {
   Drive out{.kind = Drive::Kind::kCommand};
-  out.control_delay = s.optional_number("control_delay", lateness());
-  out.velocity_filter = s.optional_number("velocity_filter", lateness());
-  const bool late = out.control_delay || out.velocity_filter;
+  out.control_delay = s.optional_number("control_delay", delay_range());
+  out.velocity_filter = s.optional_number("velocity_filter", delay_range());
+  const bool has_lag = out.control_delay || out.velocity_filter;
   if (const auto gain = s.optional_number("command_gain", Range::positive()))
     out.kind = Drive::Kind::kController, out.gain = *gain;
   if (const auto limit = s.optional_number("command_limit", Range::positive())) out.limit = *limit;
   const auto side = read_feedback(s);
   const auto angle = s.optional_choice("angle", {"predicted", "logged"});
   for (const auto& [key, given] : {std::pair("feedback", side.has_value()), {"angle", angle.has_value()}})
-    if (given && out.kind == Drive::Kind::kCommand) s.fail(key, "without command_gain it has no say");
+    if (given && out.kind == Drive::Kind::kCommand) s.fail(key, "without command_gain it has no effect");
   out.feedback = side ? side : feedback;
   if (angle == "logged") out.angle = Drive::Angle::kLogged;
   if (const auto rate = s.optional_number("command_rate", Range::positive())) {
-    if (!out.by_command())
+    if (!out.known_command())
       s.fail("command_rate", "a command that is known is needed: angle = \"logged\", or no command_gain");
     out.rate = *rate;
-  } else if (out.kind == Drive::Kind::kCommand && late && !std::isfinite(out.limit)) {
+  } else if (out.kind == Drive::Kind::kCommand && has_lag && !std::isfinite(out.limit)) {
     out.kind = Drive::Kind::kGains;
   }
   return out;
@@ -97,7 +97,7 @@ Rig read_rig(const std::string& path) {
   rig.feedback = read_feedback(s);
   const auto moment = s.optional_number("gravity_moment", Range::non_negative());
   const auto hanging = s.optional_number("hanging_deg", Range{-360, 360, false, "degrees from -360 to 360"});
-  if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no say");
+  if (hanging && !moment) s.fail("hanging_deg", "without gravity_moment it has no effect");
   rig.gravity = {moment.value_or(0), hanging.value_or(0) / kDegrees};
   if (const auto stop = file.optional("stop"))
     stop->fail("",

@@ -1,5 +1,5 @@
-// Which kernel a trial runs. Included by the files that compile them, a scalar each: rollout.cpp, rollout_small.cpp,
-// rollout_large.cpp.
+// Selects the kernel of a trial. Included by the files that compile them, one for each scalar: rollout.cpp,
+// rollout_small.cpp, rollout_large.cpp.
 #pragma once
 
 #include "identify/rollout/roll.hpp"
@@ -13,26 +13,26 @@ RolloutStatus rollout(const Rig& common, const SeaParameters<T>& actuator, const
   options.validate();
   const Rig& rig = trial.trial->rig_or(common);
   const SeaParameters<T> sea = trial.trial->rig ? rig.mounted(actuator) : actuator;
-  const bool late = !rig.drive.by_command() && is_late(sea);
+  const bool late = !rig.drive.known_command() && is_late(sea);
   const bool extended = late || rig.drive.kind != Drive::Kind::kGains || present(sea.friction) ||
                         present(sea.viscous) || present(sea.output_friction) || present(sea.output_viscous) ||
                         present(sea.k_sea_cubic) || present(sea.spring_loss) || rig.gravity.moment != 0 ||
                         sea.feedback == Feedback::kMotor;
   if constexpr (kDerivatives<T> <= kSmallJet)
-    if (options.method) return roll_with_method(rig, sea, nuisance, trial, options, phi, phi_m, torque);
-  // The limit's guards cost next to nothing, and a limit that is absent is infinite. Without friction and stiffening
-  // only hits are integrated, from sample to sample: no place for long steps.
+    if (options.method) return rollout_with_method(rig, sea, nuisance, trial, options, phi, phi_m, torque);
+  // Always with the torque limit: its guards are cheap, and an absent limit is infinite. Without friction and
+  // stiffening only hits are integrated, from sample to sample: steps too short for order 8.
   if constexpr (kDerivatives<T> <= kSmallJet)
     if (!extended)
-      return Roll<integrate::DormandPrince54, SeaTerms{true, false}, T>(rig, sea, nuisance, trial, options, phi, phi_m,
-                                                                        torque)
+      return TrialRollout<integrate::DormandPrince54, SeaTerms{true, false}, T>(rig, sea, nuisance, trial, options, phi,
+                                                                                phi_m, torque)
           .run();
   if (late)
-    return Roll<integrate::DormandPrince853, SeaTerms{true, true, true}, T>(rig, sea, nuisance, trial, options, phi,
-                                                                            phi_m, torque)
+    return TrialRollout<integrate::DormandPrince853, SeaTerms{true, true, true}, T>(rig, sea, nuisance, trial, options,
+                                                                                    phi, phi_m, torque)
         .run();
-  return Roll<integrate::DormandPrince853, SeaTerms{true, true}, T>(rig, sea, nuisance, trial, options, phi, phi_m,
-                                                                    torque)
+  return TrialRollout<integrate::DormandPrince853, SeaTerms{true, true}, T>(rig, sea, nuisance, trial, options, phi,
+                                                                            phi_m, torque)
       .run();
 }
 

@@ -1,11 +1,10 @@
-// The rig where it is linear: no hit, no limit reached, no side that turns to or from rest, no stiffening spring. There
+// The rig where it is linear: no hit, no limit reached, no stick-slip transition, no stiffening spring. There
 //
 //     dz/dt = A z + b(t),   z = [phi_1, phi_m, dphi_1, dphi_m, ...],   b linear in time,
 //
-// behind them the states of a drive that is late, is followed exactly, and so are its derivatives where T is a Jet:
-// exp(A h) by scaling and squaring, once for a trial's sampling interval and for what else comes again at every sample,
-// and its action on a state by the Taylor series where samples are uneven. Tests: test/unit/one_link.cpp against the
-// integrated path and closed forms.
+// then the states of a late drive, is solved exactly, and so are its derivatives where T is a Jet: exp(A h) by scaling
+// and squaring, once for a trial's sampling interval and for other lengths that recur at every sample, and its action
+// on a state by the Taylor series for uneven samples. Test: test/unit/one_link.cpp against integration, closed forms.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,13 +20,13 @@ template <class T, int N>
 class LinearFlow {
  public:
   static constexpr int kStates = N, kRates = 2;
-  static constexpr int kDriven = N > 4 ? 3 : 2;  ///< states from kRates on that b drives
+  static constexpr int kDriven = N > 4 ? 3 : 2;  ///< number of states from kRates on that b drives
   using State = Eigen::Matrix<T, kStates, 1>;
   using Matrix = Eigen::Matrix<T, kStates, kStates>;
-  static constexpr int kBlock = 16;  ///< samples that are read off one state
+  static constexpr int kBlock = 16;  ///< samples computed from one state
 
   /// `a` is A, `h` the interval between samples [s].
-  LinearFlow(const Matrix& a, double h) : a_(a), h_(h), rate_(rate_of(a)), step_(exponential(h)) {
+  LinearFlow(const Matrix& a, double h) : a_(a), h_(h), rate_bound_(rate_bound_of(a)), step_(exponential(h)) {
     Matrix power = step_;
     for (int j = 0; j < kBlock; ++j) {
       for (int i = 0; i < 2; ++i) rows_[i][j] = power.row(i).transpose();
@@ -56,16 +55,16 @@ class LinearFlow {
       out = rest + row.dot(z);
     }
   }
-  /// An upper bound of the size of A's eigenvalues [1/s].
-  double rate() const { return rate_; }
-  /// The same of another matrix: the largest row sum of |A| with rates counted in units that even it out.
-  static double rate_of(const Matrix& a) {
+  /// Upper bound of the magnitude of A's eigenvalues [1/s].
+  double rate_bound() const { return rate_bound_; }
+  /// That of any matrix: the largest row sum of |A|, balanced by scaling the rates.
+  static double rate_bound_of(const Matrix& a) {
     double w = 1;
     for (int i = 2; i < 4; ++i)
       for (int j = 0; j < 2; ++j) w = std::max(w, std::sqrt(std::abs(value_of(a(i, j)))));
     Eigen::Array<double, kStates, 1> unit;
     for (int i = 0; i < kStates; ++i) unit[i] = i < 2 ? 1 : w;
-    if constexpr (kStates > 4) {  // row and column of each made alike, in turn (Osborne 1960)
+    if constexpr (kStates > 4) {  // balances row and column sums in turn (Osborne 1960)
       constexpr int kSweeps = 4;
       for (int n = 0; n < kSweeps * kStates; ++n) {
         const int i = n % kStates;
@@ -84,57 +83,59 @@ class LinearFlow {
     return norm;
   }
 
-  /// How much work `advance` by h is, in series of terms.
-  double work(double h) const { return rate_ * h > kLong ? kLong + std::log2(rate_ * h) : 1 + rate_ * h; }
+  /// Cost of `advance` by h, in Taylor series.
+  double cost(double h) const {
+    return rate_bound_ * h > kLongStep ? kLongStep + std::log2(rate_bound_ * h) : 1 + rate_bound_ * h;
+  }
 
   /// z a time h later, for b = 0.
   State advance(const State& z, double h) const {
-    if (rate_ * h > kLong) return product(exponential(h), z);
+    if (rate_bound_ * h > kLongStep) return product(exponential(h), z);
     return advance(z, State::Zero(), State::Zero(), h);
   }
-  /// The same for b = b0 + b1 t, t from here on.
+  /// z a time h later, for b = b0 + b1 t, t from the start.
   State advance(State z, const State& b0, const State& b1, double h) const {
-    const int parts = std::max(1, int(std::ceil(rate_ * h)));
-    const double d = h / parts;
-    for (int p = 0; p < parts; ++p) {
+    const int substeps = std::max(1, int(std::ceil(rate_bound_ * h)));
+    const double d = h / substeps;
+    for (int p = 0; p < substeps; ++p) {
       State term = z;
       double size = 1;
-      for (int k = 1; size > kNothing; ++k) {
-        term = applied(term);
+      for (int k = 1; size > kTermTolerance; ++k) {
+        term = times_a(term);
         if (k == 1) term += b0 + b1 * T(p * d);
         if (k == 2) term += b1 * T(d);
         scale(term, d / k);
         z += term;
-        size *= std::max(rate_ * d, kSlow) / k;
+        size *= std::max(rate_bound_ * d, kMinRate) / k;
       }
     }
     return z;
   }
 
-  /// A time `length` at once: exp(A length), and what the b of each driven state adds, a constant one of 1 and one that
-  /// grows from 0 by 1/s. By the series over a short part, then by doubling it.
-  struct Leap {
+  /// Exact discretisation over a time `length` [s]: exp(A length), and the responses to b of each driven state: a unit
+  /// step, and a ramp of slope 1/s. By the series over a short interval, then by doubling.
+  struct Propagator {
     double length;
     Matrix step;
-    Eigen::Matrix<T, kStates, kDriven> constant, growing;
+    Eigen::Matrix<T, kStates, kDriven> constant, ramp;
 
     State after(const State& z, const State& b0, const State& b1) const {
       return product(step, z) + constant * b0.template segment<kDriven>(kRates) +
-             growing * b1.template segment<kDriven>(kRates);
+             ramp * b1.template segment<kDriven>(kRates);
     }
   };
-  Leap leap(double length) const {
+  Propagator propagator(double length) const {
     const int doublings = doublings_to(length);
     double d = std::ldexp(length, -doublings);
     const State zero = State::Zero();
-    Leap out{length, exponential(d), {}, {}};
+    Propagator out{length, exponential(d), {}, {}};
     for (int j = 0; j < kDriven; ++j) {
       out.constant.col(j) = advance(zero, State::Unit(kRates + j), zero, d);
-      out.growing.col(j) = advance(zero, zero, State::Unit(kRates + j), d);
+      out.ramp.col(j) = advance(zero, zero, State::Unit(kRates + j), d);
     }
     for (int s = 0; s < doublings; ++s, d *= 2) {
       for (int j = 0; j < kDriven; ++j) {
-        out.growing.col(j) += product(out.step, State(out.growing.col(j))) + State(out.constant.col(j) * T(d));
+        out.ramp.col(j) += product(out.step, State(out.ramp.col(j))) + State(out.constant.col(j) * T(d));
         out.constant.col(j) += product(out.step, State(out.constant.col(j)));
       }
       out.step = product(out.step, out.step);
@@ -153,10 +154,10 @@ class LinearFlow {
   }
 
  private:
-  /// Of a part within which the series is short.
-  int doublings_to(double h) const { return std::max(0, int(std::ceil(std::log2(std::max(rate_ * h, 1e-300))))); }
+  /// Number of halvings of h until the series is short.
+  int doublings_to(double h) const { return std::max(0, int(std::ceil(std::log2(std::max(rate_bound_ * h, 1e-300))))); }
 
-  // Written out: an expression of Jets makes a temporary of each.
+  // Written out: expressions of Jets make temporaries.
   template <class Row>
   static T dot(const Row& r, const State& z) {
     T sum(0);
@@ -175,12 +176,12 @@ class LinearFlow {
     return out;
   }
 
-  static constexpr double kLong = 4;         ///< |A h| beyond which squaring is cheaper than so many series
-  static constexpr double kNothing = 1e-19;  ///< a term of the series so small, derivatives included
-  static constexpr double kSlow = 1e-3;      ///< |A h| below which a reference that moves sets the number of terms
+  static constexpr double kLongStep = 4;           ///< |A h| beyond which squaring is cheaper than substeps
+  static constexpr double kTermTolerance = 1e-19;  ///< relative size of a negligible term, derivatives included
+  static constexpr double kMinRate = 1e-3;         ///< lower bound of |A h| for the number of terms: a reference moves
 
-  /// A z: the first two rows of A say that the angles' rates are the rates.
-  State applied(const State& z) const {
+  /// A z; the first two rows of A are d phi/dt = dphi.
+  State times_a(const State& z) const {
     State out;
     out[0] = z[2], out[1] = z[3];
     for (int i = 2; i < kStates; ++i) out[i] = dot(a_.row(i), z);
@@ -191,7 +192,7 @@ class LinearFlow {
   }
 
   Matrix a_;
-  double h_, rate_;
+  double h_, rate_bound_;
   Matrix step_, block_;
   State rows_[2][kBlock];
 };

@@ -1,5 +1,5 @@
-// What an event changes on the rig: its mode, its rates and, where T is a Jet, its derivatives. Included by roll.hpp,
-// by no other.
+// Effects of events on the rig: on its mode, its rates and, where T is a Jet, its derivatives. Included by roll.hpp
+// only.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace ukemi::identify {
 
-/// Of a state or its field.
+/// The values of a state or its derivative.
 template <class State>
 auto values_of(const State& y) {
   Eigen::Matrix<double, State::RowsAtCompileTime, 1> v;
@@ -26,22 +26,22 @@ class RigEvents {
  public:
   RigEvents(System& system, Driver& driver) : system_(system), driver_(driver), start_(driver.time()) {}
 
-  /// The input of a stretch, which may jump where it starts; a command that does so jumps later by the delay, and the
-  /// derivatives with it.
-  void change_input(const Excitation<T>& input, bool jumps, [[maybe_unused]] const T& delay) {
-    double commanded = system_.input.command;
+  /// Sets the input of a segment, which may jump at its start. A command jumps later by its delay: there the
+  /// derivatives by the delay jump.
+  void change_input(const Excitation<T>& input, bool jumps, [[maybe_unused]] const T& command_delay) {
+    double previous_command = system_.input.command;
     system_.input = input;
     if (jumps) driver_.refresh();
     if constexpr (kTerms.extended && kDerivatives < T >> 0) {
-      if (driver_.time() > start_ && system_.input.command != commanded && !delay.v.isZero(0)) {
+      if (driver_.time() > start_ && system_.input.command != previous_command && !command_delay.v.isZero(0)) {
         State y = driver_.state(), field;
-        std::swap(system_.input.command, commanded);
+        std::swap(system_.input.command, previous_command);
         system_.derivative(driver_.time(), y, field);
         const auto before = values_of(field);
-        std::swap(system_.input.command, commanded);
+        std::swap(system_.input.command, previous_command);
         settle();
         system_.derivative(driver_.time(), y, field);
-        integrate::saltate(y, before, values_of(field), delay.v);
+        integrate::saltate(y, before, values_of(field), command_delay.v);
         driver_.refresh(y);
         return;
       }
@@ -49,15 +49,15 @@ class RigEvents {
     if constexpr (kTerms.extended) settle();
   }
 
-  /// Passes the zero of a guard. The field is continuous but where a slip ends: there the side's rate is exactly zero
-  /// from now on, or turns, and the derivatives jump (saltation.hpp). False where events pile up at one instant.
+  /// Handles the zero of a guard. The field is continuous except where a slip ends: there the side's rate is exactly
+  /// zero from then on, or changes sign, and the derivatives jump (saltation.hpp). False after too many at one time.
   bool cross(int guard) {
-    constexpr int kMostAtOnce = 20;
+    constexpr int kMaxSimultaneous = 20;
     const double t = driver_.time();
-    at_once_ = t == last_ ? at_once_ + 1 : 0, last_ = t;
-    if (at_once_ > kMostAtOnce) return false;
-    if (system_.stops(guard)) {
-      stop(guard);
+    simultaneous_ = t == last_event_ ? simultaneous_ + 1 : 0, last_event_ = t;
+    if (simultaneous_ > kMaxSimultaneous) return false;
+    if (system_.ends_slip(guard)) {
+      end_slip(guard);
     } else {
       system_.cross(guard, t, driver_.state());
       driver_.refresh();
@@ -66,40 +66,40 @@ class RigEvents {
   }
 
  private:
-  /// The modes that hold where an input may have jumped, at a time that does not depend on the constants.
+  /// Updates the mode where an input may have jumped, at a time that does not depend on the constants.
   void settle() {
     const RigMode before = system_.mode;
     system_.settle(driver_.time(), driver_.state());
     if (before != system_.mode) driver_.refresh();
   }
 
-  /// A slip ends.
-  void stop(int guard) {
+  /// Ends a slip: the side sticks or reverses.
+  void end_slip(int guard) {
     const double t = driver_.time();
     State y = driver_.state();
-    const int place = System::rate_of(System::side_of(guard));
+    const int rate_index = System::rate_index(System::side_of(guard));
     if constexpr (kDerivatives < T >> 0) {
       State field;
       system_.derivative(t, y, field);
       const auto before = values_of(field);
-      const T stopped = y[place];
+      const T guard_value = y[rate_index];
       system_.cross(guard, t, y);
       system_.derivative(t, y, field);
-      if (before[place] != 0)
-        integrate::saltate(y, before, values_of(field), integrate::event_shift(stopped, before[place]));
-      y[place] = system_.mode.stuck(System::side_of(guard)) ? T(0) : y[place] - T(value_of(y[place]));
+      if (before[rate_index] != 0)
+        integrate::saltate(y, before, values_of(field), integrate::event_shift(guard_value, before[rate_index]));
+      y[rate_index] = system_.mode.stuck(System::side_of(guard)) ? T(0) : y[rate_index] - T(value_of(y[rate_index]));
     } else {
       system_.cross(guard, t, y);
-      y[place] = 0;
+      y[rate_index] = 0;
     }
     driver_.refresh(y);
   }
 
   System& system_;
   Driver& driver_;
-  const double start_;                                      ///< of the trial [s]
-  double last_ = -std::numeric_limits<double>::infinity();  ///< time of the last event [s]
-  int at_once_ = 0;                                         ///< events at that time but one
+  const double start_;                                            ///< of the trial [s]
+  double last_event_ = -std::numeric_limits<double>::infinity();  ///< time of the last event [s]
+  int simultaneous_ = 0;                                          ///< further events at that time
 };
 
 }  // namespace ukemi::identify

@@ -25,10 +25,10 @@ double smallest_step(const std::vector<double>& x) {
   return step;
 }
 
-/// Whether the log is quantised more coarsely than its residual, which is then the quantum's: neither white nor normal.
+/// Whether the log is quantised more coarsely than its residual, which is then neither white nor normal.
 bool is_coarse(const ResidualSeries& s) { return smallest_step(*s.measured) > root_mean_square(s.residual); }
 
-/// So many samples of a series count as one: 1 + 2 sum of its autocorrelations, to the first that is not above 0
+/// Integrated autocorrelation time [samples]: 1 + 2 sum of the autocorrelations before the first that is not above 0
 /// (Geyer's initial positive sequence).
 double correlation_time(const std::vector<double>& r) {
   const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
@@ -41,7 +41,7 @@ double correlation_time(const std::vector<double>& r) {
   return out;
 }
 
-/// By how much coarse logs raise the variance of a sum over residuals; 1 where none is coarse.
+/// Factor by which coarse logs raise the variance of a sum over residuals; 1 where none is coarse.
 double inflation(const std::vector<ResidualSeries>& series) {
   double raised = 0, plain = 0;
   for (const ResidualSeries& s : series) {
@@ -74,11 +74,11 @@ Whiteness whiteness(const std::vector<ResidualSeries>& series) {
   double q = 0, tested = 0;
   for (const ResidualSeries& s : series) {
     if (is_coarse(s)) continue;
-    const double of_series = ljung_box(s.residual, kWhitenessLags);
-    if (of_series == 0) continue;
+    const double series_q = ljung_box(s.residual, kWhitenessLags);
+    if (series_q == 0) continue;
     const std::vector<double>& r = s.residual;
     const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
-    q += of_series, ++tested;
+    q += series_q, ++tested;
     out.correlation += std::inner_product(r.begin() + 1, r.end(), r.begin(), 0.0) / square;
   }
   if (tested == 0) return out;
@@ -109,43 +109,43 @@ Normality normality(const std::vector<ResidualSeries>& series) {
 
 namespace {
 
-/// Replaces the linear gains of the rejected terms that promise most by those of fits: a term that is far from its
-/// absence explains more, or less, than its slope there says. Of many trials eight stand for all.
+/// Replaces the linear gains of the rejected terms of largest `worth` by those of fits: a term far from its absent
+/// value explains more, or less, than its gradient there predicts. Of many trials a sample of eight is used.
 void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& tests) {
-  constexpr int kMostShared = 5, kMostOfTrials = 3;
-  constexpr std::size_t kMostTrials = 8;
-  constexpr int kMostIterations = 12;  // the last digits of a gain do not tell
+  constexpr int kMaxShared = 5, kMaxPerTrial = 3;
+  constexpr std::size_t kMaxTrials = 8;
+  constexpr int kMaxIterations = 12;  // the last digits of a gain do not matter
   const auto worth = [&](std::size_t i) { return tests.worth(tests.score_tests[i]); };
   std::vector<std::size_t> candidates;
   for (std::size_t i = 0; i < tests.score_tests.size(); ++i)
     if (tests.score_tests[i].rejected) candidates.push_back(i);
   if (candidates.size() < 2) return;
   std::sort(candidates.begin(), candidates.end(), [&](std::size_t a, std::size_t b) { return worth(a) > worth(b); });
-  // Each kind by itself: what each trial has of its own promises much, in a line, of whatever is missing.
-  int shared = 0, of_trials = 0;
+  // Each scope by itself: the linear gain of per-trial terms is large whatever is missing.
+  int shared = 0, per_trial = 0;
   std::erase_if(candidates, [&](std::size_t i) {
-    return tests.score_tests[i].scope == Scope::kShared ? ++shared > kMostShared : ++of_trials > kMostOfTrials;
+    return tests.score_tests[i].scope == Scope::kShared ? ++shared > kMaxShared : ++per_trial > kMaxPerTrial;
   });
   const std::vector<Trial>& all = experiment.trials;
-  std::vector<Trial> some;
-  for (std::size_t k = 0; k < std::min(kMostTrials, all.size()); ++k)
-    some.push_back(all[k * all.size() / std::min(kMostTrials, all.size())]);
-  const double plain =
-      some.size() == all.size() ? fit.cost : refit(experiment.rig, some, fit.sea, experiment.options).cost;
-  const double share = double(measurements(all)) / double(measurements(some));
+  std::vector<Trial> sampled;
+  for (std::size_t k = 0; k < std::min(kMaxTrials, all.size()); ++k)
+    sampled.push_back(all[k * all.size() / std::min(kMaxTrials, all.size())]);
+  const double plain_cost =
+      sampled.size() == all.size() ? fit.cost : refit(experiment.rig, sampled, fit.sea, experiment.options).cost;
+  const double scale = double(measurements(all)) / double(measurements(sampled));
   std::vector<double> gain(candidates.size(), 0.0);
   parallel_for(int(candidates.size()), experiment.options.threads, [&](int i) {
-    FitOptions with = experiment.options;
-    with.max_iterations = std::min(with.max_iterations, kMostIterations);
-    with.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
+    FitOptions options = experiment.options;
+    options.max_iterations = std::min(options.max_iterations, kMaxIterations);
+    options.terms.nuisance.push_back(tests.score_tests[candidates[std::size_t(i)]].term);
     const ScoreTest& test = tests.score_tests[candidates[std::size_t(i)]];
-    const RigTerm& term = with.terms[test.term];
-    for (const double times : {0.0, kFarFromAbsence}) {
+    const RigTerm& term = options.terms[test.term];
+    for (const double factor : {0.0, kFarFromAbsence}) {
       SeaParameters<double> from = fit.sea;
-      if (times > 0 && term.key.empty()) continue;
-      if (times > 0) term.set_in(from, times * test.size);
-      const Fit f = refit(experiment.rig, some, from, with);
-      if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain - f.cost, gain[std::size_t(i)] / share) * share;
+      if (factor > 0 && term.key.empty()) continue;
+      if (factor > 0) term.set_in(from, factor * test.size);
+      const Fit f = refit(experiment.rig, sampled, from, options);
+      if (!f.fitted.empty()) gain[std::size_t(i)] = std::max(plain_cost - f.cost, gain[std::size_t(i)] / scale) * scale;
     }
   });
   for (std::size_t i = 0; i < candidates.size(); ++i) tests.score_tests[candidates[i]].gain = gain[i];
@@ -198,7 +198,7 @@ ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::opt
 ResidualTests test_residuals(const Experiment& experiment, const Fit& fit) {
   experiment.validate(fit);
   ResidualTests out = test_residuals(residual_series(fit, experiment.trials), score_of(experiment, fit));
-  if (out.score) fit_gains(of_noise(experiment), fit, out);
+  if (out.score) fit_gains(noise_only(experiment), fit, out);
   return out;
 }
 
@@ -206,22 +206,22 @@ void widen_errors(const ResidualTests& tests, Estimates& fit) {
   if (!tests.model_rejected() && !(tests.inflation > 1)) return;
   if (tests.score) {
     const std::vector<int>& free = tests.score->free;
-    const Eigen::MatrixXd sandwiched = sandwich(*tests.score);
-    Eigen::VectorXd wider(sandwiched.rows());
+    const Eigen::MatrixXd robust = sandwich(*tests.score);
+    Eigen::VectorXd factor(robust.rows());
     Eigen::MatrixXd noise = fit.noise_covariance;
     double widest = 1;
-    for (long i = 0; i < sandwiched.rows(); ++i) {
-      const double own = noise(free[std::size_t(i)], free[std::size_t(i)]);
-      wider[i] = sandwiched(i, i) < own ? std::sqrt(own / sandwiched(i, i)) : 1;
-      if (own > 0) widest = std::max(widest, sandwiched(i, i) / own);
+    for (long i = 0; i < robust.rows(); ++i) {
+      const double noise_variance = noise(free[std::size_t(i)], free[std::size_t(i)]);
+      factor[i] = robust(i, i) < noise_variance ? std::sqrt(noise_variance / robust(i, i)) : 1;
+      if (noise_variance > 0) widest = std::max(widest, robust(i, i) / noise_variance);
     }
-    for (long i = 0; i < sandwiched.rows(); ++i)
-      for (long j = 0; j < sandwiched.cols(); ++j) {
+    for (long i = 0; i < robust.rows(); ++i)
+      for (long j = 0; j < robust.cols(); ++j) {
         double& c = noise(free[std::size_t(i)], free[std::size_t(j)]);
-        if (std::isfinite(c)) c = wider[i] * sandwiched(i, j) * wider[j];
+        if (std::isfinite(c)) c = factor[i] * robust(i, j) * factor[j];
       }
     const long parts = long(tests.score->parts.size());
-    change_errors(noise, std::max(fit.half_width, t_quantile_975(parts - 1)), Wording::Interval::kRelative, fit);
+    update_errors(noise, std::max(fit.half_width, t_quantile_975(parts - 1)), Wording::Interval::kRelative, fit);
     for (Estimate& e : fit.nuisance)
       if (e.trial >= 0 && e.std) set_error(e, *e.std * *e.std * widest, *e.std * *e.std * widest, fit.half_width);
   }
@@ -261,7 +261,7 @@ double held_out_rms(const Rig& rig, const Trial& trial, const Fit& fit, const Fi
   const std::vector<Weighting> weights(1);
   LeastSquaresProblem problem = make_problem(rig, prepared, weights, fit.sea, suggest(rig, one),
                                              RigLayout(options.terms), options, options.rollout());
-  problem.priors.clear();  // they pull what is held
+  problem.priors.clear();  // they would pull at held globals
   const auto fitted = fit.globals();
   Eigen::VectorXd globals(long(fitted.size()));
   for (std::size_t g = 0; g < fitted.size(); ++g) problem.globals[g].start = globals[long(g)] = fitted[g]->value;
@@ -288,17 +288,17 @@ std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit,
     const std::vector<Trial> others = without(trials, m);
     l.fit = refit(experiment.rig, others, fit.sea, options);
     for (std::size_t k = 0; k < fit.parameters.size(); ++k)
-      l.shift.push_back(fit.parameters[k].std  // the rig's errors are those of all trials
+      l.shift.push_back(fit.parameters[k].std  // not `std`: the rig's errors are common to all trials
                             ? (l.fit.parameters[k].value - fit.parameters[k].value) / *fit.parameters[k].std_noise
                             : kNaN);
     l.held_out = held_out_rms(experiment.rig, trials[m], l.fit, options);
     const std::vector<Trial> alone{trials[m]};
     const Fit own = refit(experiment.rig, alone, fit.sea, options);
-    const double together = deviance(fit, trials, options), n = double(measurements(trials));
-    const double apart = options.weights == FitOptions::Weights::kEqual  // one variance for both
-                             ? n * std::log((l.fit.cost + own.cost) / n)
-                             : deviance(l.fit, others, options) + deviance(own, alone, options);
-    if (std::isfinite(apart)) l.p = chi_squared_tail(together - apart, double(fit.fitted.size()));
+    const double joint = deviance(fit, trials, options), n = double(measurements(trials));
+    const double separate = options.weights == FitOptions::Weights::kEqual  // one variance for both
+                                ? n * std::log((l.fit.cost + own.cost) / n)
+                                : deviance(l.fit, others, options) + deviance(own, alone, options);
+    if (std::isfinite(separate)) l.p = chi_squared_tail(joint - separate, double(fit.fitted.size()));
     l.disagrees = l.p * double(trials.size()) < kTestLevel;
   });
   return out;

@@ -1,6 +1,6 @@
-// What the residuals of a fit say of its model: whether they are white and normal, whether they ask for a term that the
-// model lacks, and whether a trial disagrees with the others. With nothing wrong, all tests of the residuals
-// together speak up with probability kTestLevel.
+// Tests of a fit's model by its residuals: whether they are white and normal, whether the model lacks a term, and
+// whether a trial disagrees with the others. With a correct model, all tests of the residuals together raise a false
+// alarm with probability kTestLevel.
 #pragma once
 
 #include <optional>
@@ -12,19 +12,19 @@
 
 namespace ukemi::identify {
 
-/// Probability of a false alarm of all tests of the residuals together; of --diagnose's, of each.
+/// Probability of a false alarm of all tests of the residuals together, and of each test of --diagnose.
 inline constexpr double kTestLevel = 0.01;
 
-/// Residuals of one output of one trial, made white but for the weight, and the log they are of.
+/// Residuals of one output of one trial, whitened but not weighted, and its log.
 struct ResidualSeries {
   std::vector<double> residual;
   const std::vector<double>* measured;
 };
 [[nodiscard]] std::vector<ResidualSeries> residual_series(const Fit& fit, const std::vector<Trial>& trials);
 
-/// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. Coloured
-/// residuals: the standard errors, which take every sample for news, are too small. A log that is quantised more
-/// coarsely than its residual is left out, and score tests then count correlated samples as one.
+/// Ljung and Box's test over the lags 1 .. kWhitenessLags, the statistics of all trials and outputs summed. With
+/// coloured residuals the standard errors, which assume independent samples, are too small. A log that is quantised
+/// more coarsely than its residual is left out, and score tests then count correlated samples as one.
 struct Whiteness {
   double p = 1;
   double correlation = 0;  ///< of neighbouring residuals, the mean over the trials
@@ -33,7 +33,7 @@ struct Whiteness {
 inline constexpr int kWhitenessLags = 20;
 [[nodiscard]] Whiteness whiteness(const std::vector<ResidualSeries>& series);
 
-/// Jarque and Bera's test, each trial's residuals in units of its own standard deviation. Coarse logs are left out:
+/// Jarque and Bera's test, each trial's residuals in units of their standard deviation. Coarse logs are left out:
 /// their residuals are not normal, whatever the model.
 struct Normality {
   double p = 1;
@@ -45,37 +45,37 @@ struct Normality {
 [[nodiscard]] Normality normality(const std::vector<ResidualSeries>& series);
 
 /// The tests of a fit's residuals: whiteness, normality, and the score test of every term that the fit lacks. Holm's
-/// procedure, over all of them, says which are rejected. Where several terms are, their gains are those of fits.
+/// procedure over all of them decides which are rejected. Where several terms are, their gains are computed by fits.
 struct ResidualTests {
   Whiteness whiteness;
   Normality normality;
   std::vector<ScoreTest> score_tests;
-  double samples = 0;                ///< that were measured
-  double inflation = 1;              ///< of the variance of a sum over residuals, where logs are coarse
+  double samples = 0;                ///< number of measurements
+  double inflation = 1;              ///< factor on the variance of a sum over residuals, where logs are coarse
   std::vector<double> chow;          ///< p of each trial's, see chow_tests_of; empty: not tested
   std::optional<Sensitivity> score;  ///< where the fit has a minimum to look at
 
-  /// Whether the model does not explain the logs: the residuals are not white, or ask for a term, or a trial for
-  /// constants of its own.
+  /// Whether the model does not explain the logs: the residuals are not white, a term is missing, or a trial disagrees
+  /// with the others.
   bool model_rejected() const;
-  /// Of trial m, by `chow`: at kTestLevel for all of them.
+  /// Whether trial m disagrees with the others by `chow`, at kTestLevel over all trials.
   bool disagrees(std::size_t m) const { return chow[m] * double(chow.size()) < kTestLevel; }
-  /// The fall of the cost by a term in units of the residual variance, less log(samples) for each parameter it takes.
+  /// Gain in BIC: the decrease of cost / variance by a term, less log(samples) for each of its parameters.
   double worth(const ScoreTest& test) const;
-  /// Of the terms that the residuals ask for, the one that is worth most.
+  /// Of the terms whose absence is rejected, the one of largest `worth`; null where none is.
   const ScoreTest* missing() const;
   /// rms of the residuals with that term, to first order [rad].
   double rms_with(const ScoreTest& test) const;
 };
-/// Of whatever was fitted; gains are linear.
+/// The tests of any least-squares fit; gains are linear.
 [[nodiscard]] ResidualTests test_residuals(const std::vector<ResidualSeries>& series, std::optional<Sensitivity> score);
-/// Of a fit of trials.
+/// The tests of a fit of trials.
 [[nodiscard]] ResidualTests test_residuals(const Experiment& experiment, const Fit& fit);
 
 /// Where the model is rejected or logs are coarse: standard errors and intervals from the sandwich estimate wherever it
-/// is wider (those of a trial's own terms by the largest such factor). Of a rejected model nothing is trusted.
+/// is wider (those of a trial's own terms by the largest such factor). No constant of a rejected model is trusted.
 void widen_errors(const ResidualTests& tests, Estimates& fit);
-/// The same; what else is wrong with a fit of trials stays so.
+/// Also distrusts a fit that did not converge, is far above the noise, or has flawed logs.
 void widen_errors(const ResidualTests& tests, Fit& fit);
 
 /// The fit without one of its trials.
@@ -84,20 +84,20 @@ struct LeftOut {
   Fit fit;                    ///< of the others
   std::vector<double> shift;  ///< of each constant, in standard errors of the whole fit; NaN where there is none
   double held_out = 0;  ///< rms of the trial's residual under that fit, its own terms fitted [rad]; NaN: no rollout
-  /// Of Chow's test, that one set of constants serves this trial and the others, by the log-likelihood of both fitted
-  /// apart against together.
+  /// p of Chow's test that one set of constants serves this trial and the others, by the likelihood ratio of separate
+  /// fits to the joint one.
   double p = 1;
   bool disagrees = false;  ///< p below kTestLevel / number of trials
 };
-/// Each trial in turn, on `threads` threads (0: all); two trials at least, else nothing.
+/// Leaves out each trial in turn, on `threads` threads (0: all); empty for fewer than two trials.
 [[nodiscard]] std::vector<LeftOut> leave_one_out(const Experiment& experiment, const Fit& fit, int threads = 1);
 
-// --- what the ladder and the profile share ---
+// --- shared by the ladder and the profile ---
 
 /// The trials but for one.
 [[nodiscard]] std::vector<Trial> without(std::vector<Trial> trials, std::size_t one);
 
-/// A fit from one start, where another ended; what is not fitted stays as it is there.
+/// A fit from the single start `from`; what is not fitted keeps its values there.
 [[nodiscard]] Fit refit(const Rig& rig, const std::vector<Trial>& trials, const SeaParameters<double>& from,
                         FitOptions options);
 

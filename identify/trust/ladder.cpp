@@ -12,7 +12,7 @@ namespace ukemi::identify {
 
 namespace {
 
-/// rms over all trials, each predicted by a fit of the others.
+/// Leave-one-out rms: each trial predicted by a fit of the others [rad].
 double held_out_error(const Experiment& experiment, const Rung& rung) {
   const std::vector<Trial>& trials = experiment.trials;
   if (trials.size() < 2) return std::numeric_limits<double>::quiet_NaN();
@@ -25,20 +25,20 @@ double held_out_error(const Experiment& experiment, const Rung& rung) {
   return std::sqrt(sum / n);
 }
 
-/// One that no start could be followed for has no cost.
+/// Whether `a` is the better fit; one without a usable start has no cost.
 bool better(const Fit& a, const Fit& b) {
   if (a.fitted.empty() || b.fitted.empty()) return b.fitted.empty() && !a.fitted.empty();
   return a.converged != b.converged ? a.converged : a.cost < b.cost;
 }
 
-/// The terms that come and go.
+/// The ladder's terms.
 std::vector<const RigTerm*> terms_of(const Experiment& experiment) {
   std::vector<const RigTerm*> out;
   for (const RigTerm& t : *experiment.options.terms.table)
     if (t.in_ladder) out.push_back(&t);
   return out;
 }
-/// Whether the rung of this number has a term.
+/// Whether the rung of this index has the term: a bit each.
 bool has(std::size_t rung, std::size_t term) { return rung >> term & 1; }
 
 /// A rung for each subset of the terms, not yet fitted.
@@ -60,7 +60,7 @@ std::vector<Rung> rungs_of(const Experiment& experiment, const std::vector<const
   return out;
 }
 
-/// Fits each rung from `fit` without the terms that the rung lacks; afresh too where that may not be its minimum.
+/// Fits each rung from `fit` without the terms that the rung lacks; from drawn starts too where that is doubtful.
 void fit_rungs(const Experiment& experiment, const std::vector<const RigTerm*>& terms, const Fit& fit, int threads,
                std::vector<Rung>& rungs) {
   const auto start_of = [&](int i) {
@@ -74,25 +74,25 @@ void fit_rungs(const Experiment& experiment, const std::vector<const RigTerm*>& 
     r.fit = refit(experiment.rig, experiment.trials, start_of(i), r.options);
   });
   const Fit& full = rungs.back().fit;
-  const bool all_afresh = !full.converged || full.far_above_noise,
-             some_held =
+  const bool restart_all = !full.converged || full.far_above_noise,
+             any_held =
                  std::any_of(fit.parameters.begin(), fit.parameters.end(), [](const Estimate&e) { return !e.free; });
   parallel_for(int(rungs.size()), threads, [&](int i) {
     Rung& r = rungs[std::size_t(i)];
-    if (r.terms.empty() || !(all_afresh || !r.fit.converged)) return;
+    if (r.terms.empty() || !(restart_all || !r.fit.converged)) return;
     const SeaParameters<double> from = start_of(i);
-    Fit fresh = identify::fit(experiment.rig, experiment.trials, some_held ? std::optional(from) : std::nullopt, from,
-                              r.options);
-    if (better(fresh, r.fit)) r.fit = std::move(fresh);
+    Fit restarted = identify::fit(experiment.rig, experiment.trials, any_held ? std::optional(from) : std::nullopt,
+                                  from, r.options);
+    if (better(restarted, r.fit)) r.fit = std::move(restarted);
   });
 }
 
-/// The rung's deviance, BIC and, where asked for, error on trials that are held out.
-void judge(const Experiment& experiment, HeldOut held_out, Rung& r) {
-  const auto of_trial =
+/// Sets the rung's deviance, BIC and, if requested, error on held-out trials.
+void set_criteria(const Experiment& experiment, HeldOut held_out, Rung& r) {
+  const auto locals =
       std::count_if(r.fit.nuisance.begin(), r.fit.nuisance.end(), [](const Estimate& e) { return e.trial >= 0; });
   r.deviance = deviance(r.fit, experiment.trials, r.options);
-  r.bic = r.deviance + double(long(r.fit.fitted.size()) + of_trial) * std::log(double(measurements(experiment.trials)));
+  r.bic = r.deviance + double(long(r.fit.fitted.size()) + locals) * std::log(double(measurements(experiment.trials)));
   r.held_out = std::numeric_limits<double>::quiet_NaN();
   if (held_out == HeldOut::kCompute && r.fit.converged) r.held_out = held_out_error(experiment, r);
 }
@@ -106,7 +106,7 @@ Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, in
   out.rungs = rungs_of(experiment, terms);
   fit_rungs(experiment, terms, fit, threads, out.rungs);
   const std::size_t rungs = out.rungs.size();
-  parallel_for(int(rungs), threads, [&](int i) { judge(experiment, held_out, out.rungs[std::size_t(i)]); });
+  parallel_for(int(rungs), threads, [&](int i) { set_criteria(experiment, held_out, out.rungs[std::size_t(i)]); });
   for (std::size_t i = 1; i < rungs; ++i) {
     Rung& r = out.rungs[i];
     if (!r.fit.converged) continue;

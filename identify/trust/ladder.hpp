@@ -1,4 +1,4 @@
-// The model ladder: the same trials with and without each optional term, to see which they ask for.
+// The model ladder: fits of the same trials with and without each optional term, to select the model.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace ukemi::identify {
 
 struct Rung {
   std::string name;                ///< "plain", "friction", ...
-  std::vector<std::string> terms;  ///< of the ladder, that it has
+  std::vector<std::string> terms;  ///< those of the ladder that it has
   FitOptions options;
   Fit fit;
   double deviance = 0;
-  double bic = 0;       ///< deviance + (fitted parameters) log(samples); the smallest is preferred
-  double p = 1;         ///< of the likelihood ratio against plain, under which the terms are at their bound, 0
+  double bic = 0;  ///< deviance + (fitted parameters) log(samples); the smallest is preferred
+  double p = 1;    ///< of the likelihood ratio against plain, the terms at their bound, 0, under the null hypothesis
   double held_out = 0;  ///< rms over all trials, each predicted from the others; NaN with a single trial [rad]
 };
 
@@ -28,9 +28,9 @@ struct Ladder {
 
 enum class HeldOut { kSkip, kCompute };
 
-/// Fits with every combination of the table's ladder terms (RigTerm::in_ladder), each from where `fit` ended and, where
-/// even all terms leave the residual far above the noise, again from fresh starts. What the options fit beside these
-/// terms stays. On `threads` threads (0: all).
+/// Fits with every combination of the table's ladder terms (RigTerm::in_ladder), each from the minimum of `fit` and, if
+/// the residual stays far above the noise with all terms, also from drawn starts. The options' other terms are kept. On
+/// `threads` threads (0: all).
 [[nodiscard]] Ladder ladder(const Experiment& experiment, const Fit& fit, HeldOut held_out, int threads = 1);
 
 }  // namespace ukemi::identify

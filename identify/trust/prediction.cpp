@@ -16,12 +16,12 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Of n samples of white noise: the variance of noise_level's square over the noise's own to the fourth, times n.
-/// Measured on normal numbers; test/regression/predict.cpp.
+/// Variance of noise_level^2 / sigma^2 over n samples of white noise, times n. Measured on normal numbers;
+/// test/regression/predict.cpp.
 constexpr double kNoiseLevelVariance = 10.3;
 
-/// The term that actuator.toml has by this name. Throws InputError where the table lacks it.
-const RigTerm& stored_as(const std::string& key, const std::vector<RigTerm>& table) {
+/// The term of this key in actuator.toml. Throws InputError where the table lacks it.
+const RigTerm& term_of_key(const std::string& key, const std::vector<RigTerm>& table) {
   const auto term = std::find_if(table.begin(), table.end(), [&](const RigTerm& t) { return t.key == key; });
   if (term == table.end()) throw InputError(quoted(key) + ": uncertain, and no term of the fit");
   return *term;
@@ -29,23 +29,23 @@ const RigTerm& stored_as(const std::string& key, const std::vector<RigTerm>& tab
 
 /// All trials as one problem: its globals are the constants that the actuator's file calls uncertain, its locals each
 /// trial's initial state.
-struct Predicted {
-  Predicted(const Experiment& e, const Actuator& a)
+struct PredictionProblem {
+  PredictionProblem(const Experiment& e, const Actuator& a)
       : options(e.options), prepared(e.trials.begin(), e.trials.end()), unweighted(e.trials.size()) {
-    for (const std::string& key : a.uncertain) layout.shared.push_back(&stored_as(key, *options.terms.table));
-    if (layout.shared.empty()) layout.shared.push_back(&options.terms["i_motor"]);  // the solver wants one, if held
+    for (const std::string& key : a.uncertain) layout.shared.push_back(&term_of_key(key, *options.terms.table));
+    if (layout.shared.empty()) layout.shared.push_back(&options.terms["i_motor"]);  // at least one, held
     for (const char* name : {"initial_angle", "initial_rate"}) layout.own.push_back(&options.terms[name]);
     problem = make_problem(e.rig, prepared, unweighted, a.sea,
                            {.centre = {1, 1, 1, 1, 1}, .spread_gains = 1, .spread_rest = 1}, layout, options,
                            options.rollout());
-    problem.priors.clear();  // they pull what is held
+    problem.priors.clear();  // they would pull at held globals
     for (std::size_t g = 0; g < layout.shared.size(); ++g) {
       constants.push_back(layout.shared[g]->value_in(a.sea));
       problem.globals[g].start = constants.back();
     }
     own = MatrixXd::Zero(long(prepared.size()), long(layout.own.size()));
   }
-  Predicted(const Predicted&) = delete;
+  PredictionProblem(const PredictionProblem&) = delete;
 
   FitOptions options;
   RigLayout layout;
@@ -56,8 +56,8 @@ struct Predicted {
   MatrixXd own;  ///< trials x (angle, rate)
 };
 
-/// Fits the initial states; false where a trial cannot be followed.
-bool fit_initial_states(Predicted& p, std::vector<Estimate>& out) {
+/// Fits the initial states; false where a trial cannot be simulated.
+bool fit_initial_states(PredictionProblem& p, std::vector<Estimate>& out) {
   p.problem.hold_globals();
   const LeastSquaresSolution s = solve(p.problem, {});
   if (!s.usable) return false;
@@ -81,13 +81,13 @@ void set_bands(const VectorXd& half, const Trial& log, JudgedTrial& out) {
       convert(log.torque, angle_per_torque(log), out.torque);
 }
 
-JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const Predicted& p, std::size_t m,
-                  const InitialState& start, const TrialResult& result) {
-  constexpr double kExact = 1e-6;  // of an angle's range: no log is better than that
+JudgedTrial judge_trial(const Experiment& experiment, const Actuator& actuator, const PredictionProblem& p,
+                        std::size_t m, const InitialState& start, const TrialResult& result) {
+  constexpr double kExact = 1e-6;  // of an angle's range: no log is more accurate
   const Trial& log = experiment.trials[m];
   JudgedTrial out;
   double noise = result.noise;
-  if (noise == 0 && log.samples() < 9) return out;  // too few to tell a noise from
+  if (noise == 0 && log.samples() < 9) return out;  // too few to estimate the noise
   for (const std::vector<double>* angle : {&log.phi, &log.phi_motor})
     if (!angle->empty()) {
       const auto [low, high] = std::minmax_element(angle->begin(), angle->end());
@@ -100,11 +100,11 @@ JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const 
   const ResidualBlock& block = p.problem.blocks[m];
   if (n == 0 || noise == 0 || !block.evaluate(p.constants.data(), own.data(), r.data(), j.data())) return out;
   const Weighting weighting =
-      weigh_force_noise(experiment.rig, actuator.sea, {own[0], own[1]}, log, noise, p.options.rollout());
+      force_noise_weighting(experiment.rig, actuator.sea, {own[0], own[1]}, log, noise, p.options.rollout());
   PredictionCase c{.residual = r,
                    .by_constants = j.leftCols(k),
                    .covariance = actuator.covariance,
-                   .by_own = start.kind == InitialState::Kind::kFitted ? j.rightCols(l) : MatrixXd(n, 0),
+                   .by_fitted = start.kind == InitialState::Kind::kFitted ? j.rightCols(l) : MatrixXd(n, 0),
                    .noise = noise,
                    .noise_variance = kNoiseLevelVariance};
   const double level = kTestLevel / double(experiment.trials.size());
@@ -113,7 +113,7 @@ JudgedTrial judge(const Experiment& experiment, const Actuator& actuator, const 
   if (weighting.u.size() > 0) {
     const VectorXd s2 = (1 - weighting.shrink.array()).square().inverse() - 1;
     variance += noise * noise * weighting.u.cwiseAbs2() * s2;
-    for (auto* columns : {&c.by_constants, &c.by_own})
+    for (auto* columns : {&c.by_constants, &c.by_fitted})
       for (long i = 0; i < columns->cols(); ++i) weighting.whiten(columns->col(i));
     weighting.whiten(c.residual);
     error = prediction_error(c, level);
@@ -134,22 +134,22 @@ Prediction predict(const Experiment& experiment, const Actuator& actuator, const
   using Kind = InitialState::Kind;
   experiment.rig.validate(), experiment.options.validate();
   validate(actuator), check_finite("initial angle", start.angle);
-  Predicted p(experiment, actuator);
+  PredictionProblem p(experiment, actuator);
   std::vector<Estimate> initial;
-  bool followed = true;
-  if (start.kind == Kind::kFitted) followed = fit_initial_states(p, initial);
+  bool simulated = true;
+  if (start.kind == Kind::kFitted) simulated = fit_initial_states(p, initial);
   if (start.kind == Kind::kGiven)
     for (std::size_t m = 0; m < p.prepared.size(); ++m) p.own(long(m), 0) = start.angle - p.prepared[m].phi_start;
   std::vector<Nuisance<double>> own;
   for (long m = 0; m < p.own.rows(); ++m) own.push_back({p.own(m, 0), p.own(m, 1)});
   Prediction out{predict(experiment.rig, experiment.trials, actuator.sea, experiment.options, own), {}};
   out.fit.nuisance = std::move(initial);
-  if (!followed) out.fit.converged = false, out.fit.message = "no initial state of the trials could be fitted";
+  if (!simulated) out.fit.converged = false, out.fit.message = "no initial state of the trials could be fitted";
   Judgement& j = out.judgement;
   j.by_noise_alone = actuator.uncertain.empty();
   for (std::size_t m = 0; m < experiment.trials.size(); ++m) {
     const TrialResult& result = out.fit.trials[m];
-    j.trials.push_back(result.status == RolloutStatus::kDone ? judge(experiment, actuator, p, m, start, result)
+    j.trials.push_back(result.status == RolloutStatus::kDone ? judge_trial(experiment, actuator, p, m, start, result)
                                                              : JudgedTrial{});
     j.factor = std::fmax(j.factor, j.trials.back().factor);
   }

@@ -1,5 +1,5 @@
-// What trials that a fit has not seen say of its constants: whether the actuator's file predicts them within their
-// noise and its own errors.
+// Validation on trials that a fit did not use: whether the actuator's file predicts them within their noise and its
+// own errors.
 #pragma once
 
 #include <limits>
@@ -10,7 +10,7 @@
 
 namespace ukemi::identify {
 
-/// How the trials begin that are predicted.
+/// The initial state of the predicted trials.
 struct InitialState {
   enum class Kind {
     kAtReference,  ///< at rest at phi_ref, or at 0 without one
@@ -20,12 +20,12 @@ struct InitialState {
   double angle = 0;  ///< of the output and the motor, the spring relaxed [rad]
 };
 
-/// What a factor means. Up to kFarAboveNoise it is a matter of degree.
+/// The meaning of a factor: kHolds up to 1, kHoldsWithin up to kFarAboveNoise.
 enum class Verdict { kHolds, kHoldsWithin, kDoesNotHold, kNotMeasured };
 [[nodiscard]] Verdict verdict_of(double factor);
 
 struct JudgedTrial {
-  /// x: by so much the noise and the constants' errors would have to be larger for the trial to be met with probability
+  /// x: the factor on the noise and the constants' errors at which the trial's residual would have the probability
   /// kTestLevel over the number of trials. At most 1: it holds. NaN: too little is measured.
   double factor = std::numeric_limits<double>::quiet_NaN();
   /// Of each measured sample: half of the 95 % band about the prediction, from the noise and the constants' errors
@@ -42,13 +42,13 @@ struct Judgement {
 };
 
 struct Prediction {
-  Fit fit;              ///< nothing fitted but the initial state, as nuisance, where asked for
+  Fit fit;              ///< only the initial state is fitted, as nuisance, if requested
   Judgement judgement;  ///< see prediction_error; the derivatives are the rollout's, exact
 };
 
 /// `predict` of the experiment's trials, and the verdict on it. The noise is each log's own (TrialResult::noise), and
-/// the force's (Trial::force_noise). `actuator` as it is mounted: its `sea` is followed, its covariance counts.
-/// Throws InputError where any of the arguments cannot be.
+/// the force's (Trial::force_noise). `actuator` as it is mounted: its `sea` is simulated, its covariance
+/// counts. Throws InputError for invalid arguments.
 [[nodiscard]] Prediction predict(const Experiment& experiment, const Actuator& actuator,
                                  const InitialState& start = {});
 

@@ -34,8 +34,8 @@ Profile profile(const Profiled& constant, const ProfileOptions& options) {
   const Estimate& e = constant.estimate;
   if (!e.std) throw InputError(fmt::format("profile: {}: it has no standard error", e.name));
   Profile out{.constant = e.name, .unit = e.unit, .threshold = constant.half_width * constant.half_width};
-  const double variance_of_the_rig = std::max(*e.std * *e.std - *e.std_noise * *e.std_noise, 0.0);
-  const double of_the_rig = constant.half_width * std::sqrt(variance_of_the_rig);  // half its 95 % interval
+  const double rig_variance = std::max(*e.std * *e.std - *e.std_noise * *e.std_noise, 0.0);
+  const double rig_half_width = constant.half_width * std::sqrt(rig_variance);  // half its 95 % interval
   const int half = options.points / 2;
   out.value.assign(std::size_t(options.points), e.value);
   out.rise.assign(std::size_t(options.points), 0.0);
@@ -52,7 +52,7 @@ Profile profile(const Profiled& constant, const ProfileOptions& options) {
         end = crossing(out.value[before], out.rise[before], out.value[here], out.rise[here], out.threshold);
     }
     if (!end) continue;
-    const double width = std::hypot(*end - e.value, of_the_rig);
+    const double width = std::hypot(*end - e.value, rig_half_width);
     (side < 0 ? out.low : out.high) = e.value + side * std::min(width, std::abs(limit - e.value));
   }
   return out;

@@ -1,6 +1,6 @@
 // Profile likelihood: one constant held on a grid, everything else refitted. Where it is not a parabola the linear
-// interval misleads, and this one, unsymmetric, holds. What the errors of the rig add to the constant's own error is
-// added to each side, as squares.
+// interval is wrong, and this one, asymmetric, is right. The variance from the rig's errors is added to the square of
+// each half width.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ struct Profile {
   double threshold = 0;       ///< rise at the ends of the 95 % interval: the squared half width in standard errors
   std::optional<double> low_noise,
       high_noise;                   ///< of the interval by the logs' noise alone; absent where the grid ends
-  std::optional<double> low, high;  ///< of the interval with the errors of the rig; as absent
+  std::optional<double> low, high;  ///< with the errors of the rig; absent alike
 };
 
 struct ProfileOptions {
@@ -28,14 +28,14 @@ struct ProfileOptions {
   void validate() const;  ///< throws InputError
 };
 
-/// A constant that can be held beside its estimate.
+/// A constant that is profiled.
 struct Profiled {
   const Estimate& estimate;
   double half_width;    ///< of its 95 % interval, in standard errors
   double lower, upper;  ///< its bounds
-  /// Where the refits of a value begin: at the fit, or where those of the value before, one nearer to it, ended.
+  /// Where the refit at a value starts: at the fit, or at the minimum of the previous value, which is closer to it.
   enum class From { kFit, kLast };
-  /// By how much the deviance rises where it is held at a value and all else is refitted; infinite where no rollout is
+  /// Rise of the deviance with the constant held at a value and all else refitted; infinite where no rollout is
   /// possible.
   std::function<double(double value, From from)> rise;
 };

@@ -35,7 +35,7 @@ std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit
   const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   if (fit.sensitivity) return *fit.sensitivity;
-  AtMinimum at{experiment.rig, experiment.trials, experiment.options, fit.sea, {}, {}, {}, {}};
+  FitMinimum at{experiment.rig, experiment.trials, experiment.options, fit.sea, {}, {}, {}, {}};
   for (const TrialResult& r : fit.trials) at.weights.push_back(weighting_of(r));
   for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
   at.locals.resize(fit.trials.size());
@@ -45,7 +45,7 @@ std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit
 }
 
 std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Estimates& fit,
-                                    const std::vector<Term>& shared, const std::vector<Term>& of_trial, double huber) {
+                                    const std::vector<Term>& shared, const std::vector<Term>& per_trial, double huber) {
   MinimumPoint at;
   for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
   at.locals.resize(problem.blocks.size());
@@ -53,56 +53,56 @@ std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Es
     if (e.trial >= 0) at.locals[std::size_t(e.trial)].push_back(e.value);
   Sensitivity further;
   for (const Term& t : shared) further.shared.push_back({t}), at.further.push_back(t.absent);
-  for (const Term& t : of_trial) further.of_trial.push_back({t});
+  for (const Term& t : per_trial) further.per_trial.push_back({t});
   return sensitivity_at(problem, at, std::move(further), huber);
 }
 
 namespace {
 
-/// Of term `a` of the shared ones. None where the others can do all that it does.
+/// The test of shared term `a`. None where the fitted parameters have the same effect.
 std::optional<ScoreTest> test_of_shared(const Sensitivity& s, const ScaledSolver& solve, const VectorXd& step,
                                         std::size_t a) {
-  constexpr double kAll = 1e-12;  // of a term's effect that the others leave
-  const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size()), i = F + int(a);
-  const VectorXd cross = s.sum(0, i, F, 1), moved = solve(cross);
-  const double own = s.sum(i, i, 1, 1)(0), rest = own - cross.dot(moved),
-               slope = s.sum(i, r, 1, 1)(0) - cross.dot(step);
-  if (!(rest > kAll * own && s.variance > 0)) return std::nullopt;
+  constexpr double kRounding = 1e-12;  // of a term's effect, not explained by the fitted parameters
+  const int F = s.parameters(), r = F + int(s.shared.size() + s.per_trial.size()), i = F + int(a);
+  const VectorXd cross = s.sum(0, i, F, 1), shift = solve(cross);
+  const double own = s.sum(i, i, 1, 1)(0), rest = own - cross.dot(shift),
+               gradient = s.sum(i, r, 1, 1)(0) - cross.dot(step);
+  if (!(rest > kRounding * own && s.variance > 0)) return std::nullopt;
   const Term& term = s.shared[a];
-  ScoreTest test{.term = term.name, .z = -slope / std::sqrt(rest * s.variance), .size = -slope / rest};
+  ScoreTest test{.term = term.name, .z = -gradient / std::sqrt(rest * s.variance), .size = -gradient / rest};
   const bool outside = term.one_sided() && test.z < 0;
   test.statistic = outside ? 0 : test.z * test.z;
   test.p = term.one_sided() ? 0.5 * std::erfc(test.z / std::sqrt(2.0)) : std::erfc(std::abs(test.z) / std::sqrt(2.0));
   test.gain = test.statistic * s.variance;
   const MatrixXd covariance = solve(MatrixXd::Identity(F, F));
-  for (int f = 0; f < F; ++f) test.bias = std::max(test.bias, std::abs(moved[f]) / std::sqrt(covariance(f, f) * rest));
+  for (int f = 0; f < F; ++f) test.bias = std::max(test.bias, std::abs(shift[f]) / std::sqrt(covariance(f, f) * rest));
   return test;
 }
 
-/// Of term `b` of those that each trial has for itself. t_m is the step that the residuals of trial m ask for, the
-/// shared parameters following them all: R t = -slopes with R = D - C' H^-1 C, D diagonal. By Woodbury only
+/// The test of per-trial term `b`. t_m is the step of trial m that minimises the cost, with the shared parameters
+/// eliminated: R t = -gradient with R = D - C' H^-1 C, D diagonal. By Woodbury only
 /// H - C D^-1 C' is ever solved for.
 std::optional<ScoreTest> test_of_trials(const Sensitivity& s, const VectorXd& step, std::size_t b) {
-  const int F = s.parameters(), r = F + int(s.shared.size() + s.of_trial.size()), M = s.trials();
+  const int F = s.parameters(), r = F + int(s.shared.size() + s.per_trial.size()), M = s.trials();
   const int i = F + int(s.shared.size() + b);
   MatrixXd c = MatrixXd::Zero(F, M);
-  VectorXd d = VectorXd::Zero(M), slope = VectorXd::Zero(M);
+  VectorXd d = VectorXd::Zero(M), gradient = VectorXd::Zero(M);
   for (std::size_t p = 0; p < s.parts.size(); ++p) {
-    const long m = long(p) / s.parts_of_trial;
+    const long m = long(p) / s.parts_per_trial;
     c.col(m) += s.parts[p].block(0, i, F, 1);
-    d[m] += s.parts[p](i, i), slope[m] += s.parts[p](i, r);
+    d[m] += s.parts[p](i, i), gradient[m] += s.parts[p](i, r);
   }
-  slope -= c.transpose() * step;
+  gradient -= c.transpose() * step;
   VectorXd inverse(M);
   for (int m = 0; m < M; ++m) inverse[m] = d[m] > 0 ? 1 / d[m] : 0;
   const ScaledSolver inner(s.information - c * inverse.asDiagonal() * c.transpose());
-  const VectorXd first = inverse.cwiseProduct(slope);
+  const VectorXd first = inverse.cwiseProduct(gradient);
   const VectorXd term = first + inverse.cwiseProduct(c.transpose() * inner(c * first).col(0));
   const int degrees = int((d.array() > 0).count()) - (F - int(inner.rank()));
   if (degrees <= 0 || !(s.variance > 0)) return std::nullopt;
-  ScoreTest test{.term = s.of_trial[b].name,
+  ScoreTest test{.term = s.per_trial[b].name,
                  .scope = Scope::kEach,
-                 .statistic = std::max(slope.dot(term), 0.0) / s.variance,
+                 .statistic = std::max(gradient.dot(term), 0.0) / s.variance,
                  .degrees = degrees};
   test.p = chi_squared_tail(test.statistic, degrees);
   test.gain = test.statistic * s.variance;
@@ -116,35 +116,36 @@ std::optional<ScoreTest> test_of_trials(const Sensitivity& s, const VectorXd& st
 
 std::vector<ScoreTest> score_tests_of(const Sensitivity& s) {
   const ScaledSolver solve(s.information);
-  const VectorXd step = solve(s.slope);
+  const VectorXd step = solve(s.gradient);
   std::vector<ScoreTest> out;
   for (std::size_t a = 0; a < s.shared.size(); ++a)
     if (auto test = s.shared[a].tested ? test_of_shared(s, solve, step, a) : std::nullopt)
       out.push_back(std::move(*test));
-  for (std::size_t b = 0; b < s.of_trial.size(); ++b)
-    if (auto test = s.of_trial[b].tested ? test_of_trials(s, step, b) : std::nullopt) out.push_back(std::move(*test));
+  for (std::size_t b = 0; b < s.per_trial.size(); ++b)
+    if (auto test = s.per_trial[b].tested ? test_of_trials(s, step, b) : std::nullopt) out.push_back(std::move(*test));
   return out;
 }
 
 std::vector<double> chow_tests_of(const Sensitivity& s) {
-  constexpr double kAll = 1e-9;  // of a trial's information, what the others hold too
+  constexpr double kRounding = 1e-9;  // of a trial's information, not shared with the others
   const int F = s.parameters(), M = s.trials();
   const ScaledSolver solve(s.information);
-  const VectorXd step = solve(s.slope);
+  const VectorXd step = solve(s.gradient);
   std::vector<double> out;
   for (int m = 0; M > 1 && m < M; ++m) {
     MatrixXd information = MatrixXd::Zero(F, F);
-    VectorXd slope = VectorXd::Zero(F);
-    for (int p = m * s.parts_of_trial; p < (m + 1) * s.parts_of_trial; ++p)
-      information += s.parts[std::size_t(p)].topLeftCorner(F, F), slope += s.parts[std::size_t(p)].topRightCorner(F, 1);
+    VectorXd gradient = VectorXd::Zero(F);
+    for (int p = m * s.parts_per_trial; p < (m + 1) * s.parts_per_trial; ++p)
+      information += s.parts[std::size_t(p)].topLeftCorner(F, F),
+          gradient += s.parts[std::size_t(p)].topRightCorner(F, 1);
     const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const SymmetricEigen rest =
         symmetric_eigen(unit.asDiagonal() * (information - information * solve(information)) * unit.asDiagonal());
-    const VectorXd along = rest.vectors.transpose() * unit.cwiseProduct(slope - information * step);
+    const VectorXd along = rest.vectors.transpose() * unit.cwiseProduct(gradient - information * step);
     double statistic = 0;
     int degrees = 0;
     for (int f = 0; f < F; ++f)
-      if (rest.values[f] > kAll) statistic += along[f] * along[f] / (rest.values[f] * s.variance), ++degrees;
+      if (rest.values[f] > kRounding) statistic += along[f] * along[f] / (rest.values[f] * s.variance), ++degrees;
     out.push_back(degrees > 0 ? chi_squared_tail(statistic, degrees) : 1);
   }
   return out;
@@ -155,8 +156,8 @@ MatrixXd sandwich(const Sensitivity& s) {
   MatrixXd sum = MatrixXd::Zero(F, F);
   for (const MatrixXd& part : s.parts) {
     const ScaledSolver solve(s.information - part.topLeftCorner(F, F));
-    const VectorXd moved = solve(part.topRightCorner(F, 1));
-    sum += moved * moved.transpose();
+    const VectorXd shift = solve(part.topRightCorner(F, 1));
+    sum += shift * shift.transpose();
   }
   const double parts = double(s.parts.size());
   return sum * (parts - 1) / parts;

@@ -17,12 +17,12 @@ void AtlasOptions::validate() const {
 }
 
 long AtlasOptions::effort() const {
-  const long usual = robust.measure ? kLandings : search.goal == Goal::kTolerant ? kTolerantMotions : kMotions;
-  return search.evaluations.value_or(usual);
+  const long standard = robust.measure ? kLandings : search.goal == Goal::kTolerant ? kTolerantMotions : kMotions;
+  return search.evaluations.value_or(standard);
 }
 
 std::string atlas_identity(const AtlasRobot& robot, const AtlasOptions& options) {
-  std::string text = UKEMI_VERSION + robot.text();  // another version may plan otherwise
+  std::string text = UKEMI_VERSION + robot.text();  // another version may plan differently
   const auto add = [&](double x) { text += shortest(x) + "\n"; };
   for (const AtlasAxis& a : options.grid.axes) add(a.lower), add(a.upper), add(double(a.count));
   add(double(options.search.goal)), add(double(robot.effort(options)));
@@ -37,7 +37,7 @@ std::string atlas_identity(const AtlasRobot& robot, const AtlasOptions& options)
 }
 
 void plan_atlas(const AtlasRobot& robot, const AtlasOptions& options, std::span<AtlasCell> cells) {
-  constexpr long kFirst = 4;  // times the effort where nothing starts the search
+  constexpr long kFirst = 4;  // factor of the effort without warm starts
   options.validate(), robot.validate(options.grid);
   options.grid.check_cells(cells.size());
   const std::vector<std::size_t> blocks = options.shard.blocks(options.grid);

@@ -35,7 +35,7 @@ std::string_view text_of(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-/// Throws InputError where the bytes are no whole atlas that this machine reads.
+/// Throws InputError where the bytes are not a complete atlas that this machine can read.
 void check(std::span<const std::byte> bytes, const std::string& path) {
   const auto fail = [&](const std::string& what) { throw InputError({path}, what); };
   if (bytes.size() < sizeof(AtlasHeader)) fail("no atlas: shorter than its header");
@@ -109,17 +109,17 @@ Atlas atlas_of(std::span<const std::byte> bytes, const std::string& path) {
 
 MappedAtlas::MappedAtlas(const std::string& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  struct stat is {};
-  if (file < 0 || ::fstat(file, &is) != 0 || !S_ISREG(is.st_mode) || is.st_size == 0) {
+  struct stat status {};
+  if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0) {
     const std::string why = file < 0 ? std::strerror(errno) : "a regular file that is not empty is needed";
     if (file >= 0) ::close(file);
     throw InputError({path}, "cannot be mapped: " + why);
   }
-  size_ = std::size_t(is.st_size);
+  size_ = std::size_t(status.st_size);
   data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file, 0);
-  const int code = errno;
+  const int error = errno;
   ::close(file);
-  if (data_ == MAP_FAILED) throw InputError({path}, std::string("cannot be mapped: ") + std::strerror(code));
+  if (data_ == MAP_FAILED) throw InputError({path}, std::string("cannot be mapped: ") + std::strerror(error));
   try {
     check(bytes(), path);
   } catch (...) {

@@ -1,7 +1,7 @@
-// An atlas as a file that is mapped, not parsed: a header, then a cell for each drop of the grid, all at fixed places.
+// File format of an atlas, mapped into memory: a header, then a cell for each drop of the grid, at fixed offsets.
 //
-// Little-endian, doubles as IEEE 754; a machine of the other kind refuses it. The header says its version, its size and
-// the checksum of all that stands behind it.
+// Little-endian, doubles as IEEE 754; refused on a big-endian machine. The header has the version, the size, and the
+// checksum of all bytes after it.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@
 
 namespace ukemi::landing {
 
-/// A name with its unit, filled up by zeros; what is longer is cut.
+/// A name with its unit, padded with zeros or truncated.
 struct AtlasVariable {
   char name[24], unit[8];
   bool is(const Variable& v) const;
@@ -23,21 +23,21 @@ struct AtlasHeader {
   static constexpr std::uint32_t kVersion = 2, kLittleEndian = 0x01020304;
   char magic[8];          ///< "ukemiatl"
   std::uint32_t version;  ///< kVersion
-  std::uint32_t order;    ///< kLittleEndian as the machine that wrote it stores it
+  std::uint32_t order;    ///< kLittleEndian in the byte order of the writing machine
   std::uint64_t size;     ///< of the file [bytes]
-  char checksum[16];      ///< FNV-1a, 64 bits in hexadecimal digits, of all bytes behind it
+  char checksum[16];      ///< FNV-1a, 64 bits in hexadecimal digits, of all bytes after it
   char identity[16];      ///< see atlas_identity
   char robot[16];         ///< see AtlasRobot::checksum
-  std::uint64_t goal;     ///< Goal: what AtlasCell::value is
+  std::uint64_t goal;     ///< Goal of AtlasCell::value
   std::uint64_t measure;  ///< under scatter, Measure::Kind, and its level
   double level;
   AtlasGrid grid;
   SafestMotion safest;
-  std::uint64_t variables;  ///< of the motion space: so many of AtlasCell::values hold
+  std::uint64_t variables;  ///< of the motion space: number of AtlasCell::values in use
   AtlasVariable variable[kAtlasVariables];
 };
 
-/// What is written, and read back.
+/// Header and cells in memory.
 struct Atlas {
   AtlasHeader header{};
   std::vector<AtlasCell> cells;
@@ -47,14 +47,14 @@ struct Atlas {
   std::size_t open() const { return cells.size() - planned() - none(); }
 };
 
-/// A header for what is to be planned; size and checksum follow when it is written.
+/// The header of an atlas to be planned; atlas_bytes sets size and checksum.
 [[nodiscard]] AtlasHeader atlas_header(const AtlasRobot& robot, const AtlasOptions& options);
-/// Its bytes as a file has them.
+/// The contents of its file.
 [[nodiscard]] std::string atlas_bytes(const Atlas& atlas);
-/// The same back. Throws InputError "PATH: ..." for what is no atlas, of another version or machine, cut or changed.
+/// The inverse. Throws InputError "PATH: ..." for no atlas, another version or byte order, a truncated or changed file.
 [[nodiscard]] Atlas atlas_of(std::span<const std::byte> bytes, const std::string& path);
 
-/// The same in place, read only.
+/// A mapped atlas, read only.
 class MappedAtlas {
  public:
   /// Throws InputError as above, and where it cannot be opened.
@@ -72,16 +72,16 @@ class MappedAtlas {
   std::size_t size_ = 0;
 };
 
-/// Cells as they are planned, on the disk before the next one is begun.
+/// Journal of an atlas: each planned cell is on the disk before the next one begins.
 class AtlasJournal {
  public:
-  /// Takes what an earlier run left there into `cells`, else begins. Throws InputError as Journal.
+  /// Restores the cells of an earlier run into `cells`, or begins a journal. Throws InputError as Journal.
   AtlasJournal(const std::string& path, const std::string& identity, std::span<AtlasCell> cells);
 
   /// Throws InputError with the system's reason.
   void add(std::size_t drop, const AtlasCell& cell);
   std::size_t taken() const { return taken_; }  ///< cells of an earlier run
-  /// All that it holds.
+  /// Its contents.
   std::string bytes() const { return journal_.bytes(); }
 
  private:

@@ -27,7 +27,7 @@ struct AtlasReader::Table {
 
 AtlasEntry AtlasReader::Table::best_of(std::span<const std::size_t> drops) {
   const Coordinates hold = space.place(*space.holding(held_angle(scene)));
-  const AtlasTable::Found found = atlas.best_of(
+  const AtlasTable::Ranking found = atlas.best_of(
       drops, hold, options.goal, [&](const Coordinates& values) { return space.unit(values); },
       [&](std::span<Candidate> points, Goal goal) { objective.evaluate(points, goal); });
   if (found.count == 0) return {};

@@ -29,7 +29,7 @@ AtlasTable::Drops AtlasTable::around(const Drop& d, double g, double fall) const
   AtlasGrid::Place low{};
   for (std::size_t k = 0; k < x.size(); ++k) {
     const AtlasAxis& a = grid.axes[k];
-    if (!a.holds(x[k])) return {};
+    if (!a.contains(x[k])) return {};
     if (a.stands()) continue;
     const double step = (a.upper - a.lower) / double(a.count - 1);
     low[k] = std::min(std::size_t((x[k] - a.lower) / step), std::size_t(a.count - 2));
@@ -37,9 +37,9 @@ AtlasTable::Drops AtlasTable::around(const Drop& d, double g, double fall) const
   Drops out;
   for (std::size_t c = 0; c < kCorners; ++c) {
     const AtlasGrid::Place up{c >> 2 & 1, c >> 1 & 1, c & 1};
-    bool there = true;
-    for (std::size_t k = 0; k < up.size(); ++k) there = there && !(up[k] == 1 && grid.axes[k].stands());
-    if (there) out.index[out.count++] = grid.index({low[0] + up[0], low[1] + up[1], low[2] + up[2]});
+    bool exists = true;
+    for (std::size_t k = 0; k < up.size(); ++k) exists = exists && !(up[k] == 1 && grid.axes[k].stands());
+    if (exists) out.index[out.count++] = grid.index({low[0] + up[0], low[1] + up[1], low[2] + up[2]});
   }
   return out;
 }
@@ -49,13 +49,13 @@ AtlasTable::Drops AtlasTable::safest() const {
   return drop == SafestMotion::kNoDrop ? Drops{} : Drops{{drop}, 1};
 }
 
-void AtlasTable::sort(Found& f) {
-  std::array<std::size_t, kCorners + 1> by{};
-  for (std::size_t k = 0; k < f.count; ++k) by[k] = k;
-  std::sort(by.begin(), by.begin() + long(f.count),
+void AtlasTable::sort(Ranking& f) {
+  std::array<std::size_t, kCorners + 1> order{};
+  for (std::size_t k = 0; k < f.count; ++k) order[k] = k;
+  std::sort(order.begin(), order.begin() + long(f.count),
             [&](auto a, auto b) { return f.points[a].value < f.points[b].value; });
-  const Found before = f;
-  for (std::size_t k = 0; k < f.count; ++k) f.points[k] = before.points[by[k]], f.drop[k] = before.drop[by[k]];
+  const Ranking before = f;
+  for (std::size_t k = 0; k < f.count; ++k) f.points[k] = before.points[order[k]], f.drop[k] = before.drop[order[k]];
 }
 
 }  // namespace ukemi::landing

@@ -1,5 +1,4 @@
-// An atlas that is opened for a robot: which of its drops are around another, and which of their motions is the best
-// there.
+// An atlas opened for a robot: the drops of the grid around another drop, and the ranking of their motions there.
 #pragma once
 
 #include <algorithm>
@@ -22,15 +21,15 @@ class AtlasTable {
     std::size_t count = 0;
     std::span<const std::size_t> span() const { return {index.data(), count}; }
   };
-  /// Motions of the table at the drop at hand, the best first.
-  struct Found {
+  /// Motions of the table in the current drop, the best first.
+  struct Ranking {
     std::array<Candidate, kCorners + 1> points;
-    std::array<std::uint64_t, kCorners + 1> drop{};  ///< for which each was planned; kNoDrop: what holds the posture
+    std::array<std::uint64_t, kCorners + 1> drop{};  ///< for which each was planned; kNoDrop: it holds the posture
     std::size_t count = 0;
     bool holds(std::size_t k) const { return drop[k] == SafestMotion::kNoDrop; }
     void add(const Coordinates& u, std::uint64_t planned_for) { points[count].u = u, drop[count++] = planned_for; }
-    /// From place k to an earlier one; those between move up.
-    void move(std::size_t k, std::size_t to) {
+    /// Moves element k forward to index `to`; those between move back.
+    void move_forward(std::size_t k, std::size_t to) {
       const auto rotate = [&](auto& a) {
         std::rotate(a.begin() + long(to), a.begin() + long(k), a.begin() + long(k) + 1);
       };
@@ -38,24 +37,23 @@ class AtlasTable {
     }
   };
 
-  /// Opens the file. Throws InputError for what is no whole atlas, and where it was planned for other motions or on
-  /// another robot (AtlasRobot::checksum).
+  /// Opens the file. Throws InputError for an incomplete atlas, other motions or another robot (AtlasRobot::checksum).
   AtlasTable(const std::string& path, Goal goal, double deadline, const std::vector<Variable>& variables,
              const std::string& robot);
   const AtlasHeader& header() const { return file_.header(); }
-  /// The corners of the grid's cell that holds a drop; none where none does. A vertical speed counts as the height that
-  /// makes it at an acceleration g [m/s^2], a pitch rate as the pitch that it makes until the floor, `fall` later [s].
+  /// The corners of the grid's cell that contains a drop; none outside of the grid. A vertical speed is converted to
+  /// height at an acceleration g [m/s^2], a pitch rate to pitch at touchdown, after `fall` [s].
   Drops around(const Drop& drop, double g, double fall) const;
-  /// The motion that is the safest; none where there is none.
+  /// The drop of the safest motion; none where there is no such motion.
   Drops safest() const;
 
-  /// Evaluates by peaks all motions of the drops, and `hold`, which holds the posture; then, where the goal asks for
-  /// more, one after the other, the best first: `hold` comes second, for time may end. `unit(values)`: a motion's
-  /// place; `evaluate(points, goal)`: as Objective::evaluate. Allocates nothing.
+  /// Evaluates the peaks of all motions of the drops, and of `hold`, which holds the posture; then, for the tolerant
+  /// peak, one after the other, the best first and `hold` second, as time may run out. `unit(values)`: a motion's point
+  /// of the unit cube; `evaluate(points, goal)`: as Objective::evaluate. Allocates nothing.
   template <class Unit, class Evaluate>
-  Found best_of(std::span<const std::size_t> drops, const Coordinates& hold, Goal goal, Unit&& unit,
-                Evaluate&& evaluate) const {
-    Found out;
+  Ranking best_of(std::span<const std::size_t> drops, const Coordinates& hold, Goal goal, Unit&& unit,
+                  Evaluate&& evaluate) const {
+    Ranking out;
     for (const std::size_t i : drops) {
       const AtlasCell& cell = file_.cells()[i];
       if (!cell.planned()) continue;
@@ -67,23 +65,23 @@ class AtlasTable {
     sort(out);
     if (goal != Goal::kTolerant) return out;
     for (std::size_t k = 2; k < out.count; ++k)
-      if (out.holds(k)) out.move(k, 1);
+      if (out.holds(k)) out.move_forward(k, 1);
     std::size_t best = 0;
     double bound = kNoMotion;
     for (std::size_t k = 0; k < out.count; ++k) {
       Candidate& p = out.points[k];
-      if (p.value >= bound) continue;  // its peak alone is worse
+      if (p.value >= bound) continue;  // already its peak is worse
       p.bound = bound;
       evaluate(std::span(&p, 1), Goal::kTolerant);
       if (p.value < bound) bound = p.value, best = k;
     }
     out.points[best].value = bound;
-    out.move(best, 0);
+    out.move_forward(best, 0);
     return out;
   }
 
  private:
-  static void sort(Found& found);
+  static void sort(Ranking& ranking);
 
   MappedAtlas file_;
 };

@@ -19,7 +19,7 @@ namespace {
 class Listing;
 void list(const Load& l, Listing& add);
 
-/// Numbers and names one after the other, as text.
+/// Concatenates numbers and names as text.
 class Listing {
  public:
   explicit Listing(const char* number) : number_(number) {}
@@ -27,7 +27,7 @@ class Listing {
   Listing& operator()(const std::string& name) { return text_ += name + ";", *this; }
   Listing& operator()(const Place& p) { return (*this)(p.along)(p.across); }
   Listing& operator()(const std::array<double, 2>& x) { return (*this)(x[0])(x[1]); }
-  /// Other listings in whatever order, each of one of `all`.
+  /// The listings of all elements, sorted: independent of their order.
   template <class T>
   Listing& sorted(const std::vector<T>& all) {
     std::vector<std::string> texts;
@@ -62,7 +62,7 @@ void list(const ContactPoint& c, Listing& add) {
 
 void list(const Load& l, Listing& add) { add("load")(double(l.kind))(l.index)(l.at)(l.phi)(l.rating)(l.limit); }
 
-/// What the motions are planned on.
+/// The robot and its floor, see AtlasRobot::checksum.
 void list_robot(const BodyScene& s, Listing& add) {
   const Robot& r = s.robot;
   add(r.gravity)(double(r.base))(r.rail_direction)(r.rail_viscous)(r.pin_height)(r.peak_link)(r.peak);
@@ -74,7 +74,7 @@ void list_robot(const BodyScene& s, Listing& add) {
   add.sorted(s.loads);
 }
 
-/// What else a plan depends on.
+/// The rest on which a plan depends.
 void list_plan(const BodyScene& s, Listing& add) {
   for (const JointSearch& j : s.search) add(j.phi)(j.held());
   add(s.duration)(s.own_durations)(s.freedom.bumps)(s.freedom.bump)("gains");
@@ -92,8 +92,8 @@ void list_plan(const BodyScene& s, Listing& add) {
   for (const Joint& j : s.robot.joints) list_known(j.uncertain, j.covariance);
 }
 
-/// A drop's scene, of which a landing ends where it breaks a limit.
-BodyScene dropped(BodyScene scene, const Drop& drop) {
+/// The scene with this drop; landings end where they break a limit.
+BodyScene with_drop(BodyScene scene, const Drop& drop) {
   scene.drop = drop, scene.ends_broken = true;
   return scene;
 }
@@ -101,15 +101,15 @@ BodyScene dropped(BodyScene scene, const Drop& drop) {
 class BodyTrial : public AtlasTrial {
  public:
   BodyTrial(const BodyScene& scene, int threads, const std::function<bool()>& over)
-      : there_(dropped(scene, scene.drop)), threads_(threads), over_(over) {}
+      : scene_(with_drop(scene, scene.drop)), threads_(threads), over_(over) {}
   void set(const Drop& planned_for, const MotionValues& values) override {
-    there_.drop = planned_for;
-    const BodySpace space(there_);
+    scene_.drop = planned_for;
+    const BodySpace space(scene_);
     motion_ = space.motion(space.unit(Coordinates(values)));
   }
   void play(std::span<const Drop> drops, double bound, std::span<double> peaks) override {
     constexpr double kAccuracy = 1e-5;
-    if (scenes_.size() < drops.size()) scenes_.resize(drops.size(), there_);
+    if (scenes_.size() < drops.size()) scenes_.resize(drops.size(), scene_);
     cases_.clear(), landings_.resize(drops.size());
     for (std::size_t k = 0; k < drops.size(); ++k) {
       scenes_[k].drop = drops[k];
@@ -123,7 +123,7 @@ class BodyTrial : public AtlasTrial {
   }
 
  private:
-  BodyScene there_;
+  BodyScene scene_;
   int threads_;
   const std::function<bool()>& over_;
   BodyMotion motion_;
@@ -132,11 +132,11 @@ class BodyTrial : public AtlasTrial {
   std::vector<BodyLanding> landings_;
 };
 
-/// The best few of what neighbours play, as they land here.
+/// The neighbours' motions that are best in this drop.
 std::vector<BodyMotion> best_starts(const BodyScene& scene, const BodySpace& space,
                                     const std::vector<MotionValues>& starts, const std::function<bool()>* over) {
   constexpr std::size_t kStarts = 3;
-  const BodyGoal goal = own_drop(scene);
+  const BodyGoal goal = nominal_drop(scene);
   std::vector<BodyMotion> motions;
   std::vector<Valuation> played;
   for (const MotionValues& v : starts) {
@@ -144,21 +144,21 @@ std::vector<BodyMotion> best_starts(const BodyScene& scene, const BodySpace& spa
     played.emplace_back(goal, motions.back(), kNoMotion);
   }
   play(played, scene.robot, kSearchAccuracy, 1, over);
-  std::vector<std::size_t> by;
+  std::vector<std::size_t> order;
   for (std::size_t k = 0; k < played.size(); ++k)
-    if (played[k].value() < kNoMotion) by.push_back(k);
-  std::stable_sort(by.begin(), by.end(), [&](auto a, auto b) { return played[a].value() < played[b].value(); });
+    if (played[k].value() < kNoMotion) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return played[a].value() < played[b].value(); });
   std::vector<BodyMotion> out;
-  for (std::size_t k = 0; k < std::min(kStarts, by.size()); ++k) out.push_back(motions[by[k]]);
+  for (std::size_t k = 0; k < std::min(kStarts, order.size()); ++k) out.push_back(motions[order[k]]);
   return out;
 }
 
-/// Whether the space has a motion: holding beyond its ranges, or in the air, is none of it.
-bool has(const BodySpace& space, const Robot& robot, const BodyMotion& motion) {
+/// Whether the space contains a motion; not so holding outside of its ranges, or in the air.
+bool contains(const BodySpace& space, const Robot& robot, const BodyMotion& motion) {
   constexpr double kSame = 1e-9;
-  const BodyMotion kept = space.motion(space.unit(motion));
+  const BodyMotion nearest = space.motion(space.unit(motion));
   for (std::size_t i = 0; i < motion.size(); ++i) {
-    const Motion &a = motion[i], &b = kept[i];
+    const Motion &a = motion[i], &b = nearest[i];
     if (!robot.joints[i].driven()) continue;
     if (std::abs(a.phi_i - b.phi_i) > kSame || std::abs(a.phi_f - b.phi_f) > kSame) return false;
     if (a.reposition && !std::isfinite(a.reposition->to)) return false;
@@ -168,7 +168,7 @@ bool has(const BodySpace& space, const Robot& robot, const BodyMotion& motion) {
 
 AtlasCell cell_of(const BodyScene& scene, const BodySpace& space, const BodyPlan& best, const AtlasOptions& options) {
   AtlasCell out{.state = AtlasCell::State::kNone};
-  if (!best.found || !has(space, scene.robot, best.motion)) return out;
+  if (!best.found || !contains(space, scene.robot, best.motion)) return out;
   out.state = AtlasCell::State::kPlanned;
   out.value = best.value, out.peak = best.landing.peak;
   if (options.search.goal == Goal::kTolerant && !options.robust.measure) {
@@ -210,10 +210,10 @@ void BodyAtlas::validate(const AtlasGrid& grid) const {
                                                               "a robot on a rail keeps the pitch of its scene"};
   scene_.validate();
   const Drop& d = scene_.drop;
-  const std::array<double, AtlasGrid::kAxes> own = {d.height, d.forward_speed, d.pitch};
+  const std::array<double, AtlasGrid::kAxes> scene_values = {d.height, d.forward_speed, d.pitch};
   const auto has = axes_of(scene_.robot);
-  for (std::size_t k = 0; k < own.size(); ++k)
-    if (!has[k] && !(grid.axes[k].stands() && grid.axes[k].lower == own[k]))
+  for (std::size_t k = 0; k < scene_values.size(); ++k)
+    if (!has[k] && !(grid.axes[k].stands() && grid.axes[k].lower == scene_values[k]))
       throw InputError(fmt::format("atlas: {}: {}", AtlasGrid::kNames[k], kWhy[k]));
   if (const int n = BodySpace(scene_).dimension(); n > kAtlasVariables)
     throw InputError(fmt::format("atlas: motions of {} variables: at most {} are needed", n, kAtlasVariables));
@@ -221,7 +221,7 @@ void BodyAtlas::validate(const AtlasGrid& grid) const {
     throw InputError("atlas: no contact of the scene touches a floor: there is no landing to plan");
 }
 
-Scatter BodyAtlas::scatter(const std::optional<Scatter>& asked) const { return scatter_for(asked, scene_); }
+Scatter BodyAtlas::scatter(const std::optional<Scatter>& requested) const { return scatter_for(requested, scene_); }
 
 long BodyAtlas::effort(const AtlasOptions& options) const {
   if (options.search.evaluations) return options.effort();

@@ -22,25 +22,25 @@ struct BodyAtlasReader::Table {
   AtlasTable atlas;
 };
 
-/// A motion that was planned without a move in the air has the longest that there is time for.
+/// A motion that was planned without a move in the air gets the longest one possible.
 BodyAtlasEntry BodyAtlasReader::Table::best_of(const BodyScene& here, std::span<const std::size_t> drops,
                                                const Stopwatch& watch) const {
   const BodySpace space(here);
   const auto motion = [&](const Coordinates& u) { return u.size() == 0 ? held_posture(here) : space.motion(u); };
   const std::function<bool()> over = [&] { return watch.seconds() > options.deadline; };
   const auto evaluate = [&](std::span<Candidate> points, Goal goal) {
-    const BodyGoal by = goal == Goal::kTolerant ? execution_box(here, true) : own_drop(here);
+    const BodyGoal body_goal = goal == Goal::kTolerant ? execution_box(here, true) : nominal_drop(here);
     std::vector<Valuation> played;
-    for (const Candidate& p : points) played.emplace_back(by, motion(p.u), p.bound);
+    for (const Candidate& p : points) played.emplace_back(body_goal, motion(p.u), p.bound);
     play(played, here.robot, options.accuracy, 1, &over);
     for (std::size_t k = 0; k < points.size(); ++k) points[k].value = played[k].value();
   };
   const auto unit = [&](const Coordinates& values) {
     if (space.dimension() == values.size()) return space.unit(values);
-    const BodySpace without(scene);
-    return space.unit(without.motion(without.unit(values)));
+    const BodySpace planned(scene);  // without a move in the air
+    return space.unit(planned.motion(planned.unit(values)));
   };
-  const AtlasTable::Found found = atlas.best_of(drops, {}, options.goal, unit, evaluate);
+  const AtlasTable::Ranking found = atlas.best_of(drops, {}, options.goal, unit, evaluate);
   BodyAtlasEntry out;
   if (found.count == 0) return out;
   for (std::size_t k = 0; k < found.count; ++k)
@@ -53,15 +53,12 @@ BodyAtlasEntry BodyAtlasReader::Table::best_of(const BodyScene& here, std::span<
 BodyAtlasEntry BodyAtlasReader::Table::at(const BodyScene& here, const Stopwatch& watch) const {
   try {
     here.validate();
-    const Robot& r = here.robot;
-    const double along = r.base == Base::kRail ? std::sin(r.rail_direction) : 1;
-    const double g = r.base == Base::kPinned ? 0 : r.gravity * along * along;
-    const double fall = here.drop.pitch_rate != 0 ? fall_time(here) : 0;
+    const double g = fall_acceleration(here.robot), fall = here.drop.pitch_rate != 0 ? fall_time(here) : 0;
     if (BodyAtlasEntry entry = best_of(here, atlas.around(here.drop, g, fall).span(), watch); entry.found) return entry;
     BodyAtlasEntry entry = best_of(here, atlas.safest().span(), watch);
     entry.inside = false;
     return entry;
-  } catch (const InputError& e) {  // as a vertical speed of a base that does not fall
+  } catch (const InputError& e) {  // e.g. a vertical speed of a base that does not fall
     return {.wrong = e.what()};
   }
 }
@@ -72,7 +69,7 @@ BodyAtlasReader::~BodyAtlasReader() = default;
 
 BodyAtlasEntry BodyAtlasReader::at(const Drop& drop) {
   const Stopwatch watch(Stopwatch::Time::kWall);
-  if (std::string wrong = fault_of(drop); !wrong.empty()) return {.wrong = std::move(wrong)};
+  if (const char* wrong = fault_of(drop)) return {.wrong = wrong};
   BodyScene here = table_->scene;
   here.drop = drop;
   return table_->at(here, watch);
@@ -82,8 +79,9 @@ BodyAtlasEntry BodyAtlasReader::at(const BodyFallState& state) {
   const Stopwatch watch(Stopwatch::Time::kWall);
   const BodyScene& scene = table_->scene;
   const BodyScene here = falling(scene, state, table_->options.deadline);
-  for (std::string wrong : {fault_of(state, scene.robot.joints.size()), fault_of(here.drop)})
-    if (!wrong.empty()) return {.wrong = std::move(wrong)};
+  if (std::string wrong = fault_of(state, scene.robot.joints.size()); !wrong.empty())
+    return {.wrong = std::move(wrong)};
+  if (const char* wrong = fault_of(here.drop)) return {.wrong = wrong};
   return table_->at(here, watch);
 }
 

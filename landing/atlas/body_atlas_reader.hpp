@@ -1,4 +1,4 @@
-// The atlas in the control program of a robot of links: an answer for the fall at hand, before any search.
+// The atlas in the control program of a robot of links: an answer for the current fall, before any search.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,17 @@
 
 namespace ukemi::landing {
 
-/// What an atlas has for a fall of a robot of links; the others as AtlasEntry's.
+/// Answer of an atlas for a fall of a robot of links; other members as of AtlasEntry.
 struct BodyAtlasEntry {
   BodyMotion motion;
-  std::vector<BodyMotion> starts;  ///< the motions around, the best first, for BodyPlanner::start
+  std::vector<BodyMotion> starts;  ///< neighbouring motions, the best first, for BodyPlanner::start
   double value = kNoMotion;
   std::uint64_t drop = ~std::uint64_t(0);
   bool holds = false, inside = false, found = false;
-  std::string wrong;  ///< what was measured and cannot be, and its rule: nothing is found then
+  std::string wrong;  ///< a measured number out of its range, and its rule; nothing is found then
 };
 
-/// As AtlasReader, of whose options `limits` has no say. It allocates. In the air the references stand at the measured
+/// As AtlasReader, but its `limits` are ignored, and it allocates. In the air the references stand at the measured
 /// angles until the deadline, then move to phi_I. Throws as AtlasReader. Tests: test/legs/atlas.cpp.
 class BodyAtlasReader {
  public:

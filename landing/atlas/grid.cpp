@@ -13,9 +13,9 @@ namespace ukemi::landing {
 
 namespace {
 
-constexpr std::size_t kSide = 3;
+constexpr std::size_t kBlockSide = 3;  // drops
 
-std::size_t parts(const AtlasAxis& axis) { return (axis.count + kSide - 1) / kSide; }
+std::size_t blocks_along(const AtlasAxis& axis) { return (axis.count + kBlockSide - 1) / kBlockSide; }
 
 }  // namespace
 
@@ -54,17 +54,17 @@ Drop AtlasGrid::drop(std::size_t index) const {
   return {.height = axes[0].at(p[0]), .forward_speed = axes[1].at(p[1]), .pitch = axes[2].at(p[2])};
 }
 
-std::size_t AtlasGrid::blocks() const { return parts(axes[0]) * parts(axes[1]) * parts(axes[2]); }
+std::size_t AtlasGrid::blocks() const { return blocks_along(axes[0]) * blocks_along(axes[1]) * blocks_along(axes[2]); }
 
 std::vector<std::size_t> AtlasGrid::block(std::size_t b) const {
-  const std::size_t row = b / parts(axes[2]);
-  const Place part{row / parts(axes[1]), row % parts(axes[1]), b % parts(axes[2])};
+  const std::size_t row = b / blocks_along(axes[2]);
+  const Place part{row / blocks_along(axes[1]), row % blocks_along(axes[1]), b % blocks_along(axes[2])};
   Place from{}, to{};
   for (std::size_t k = 0; k < kAxes; ++k) {
-    from[k] = part[k] * axes[k].count / parts(axes[k]);
-    to[k] = (part[k] + 1) * axes[k].count / parts(axes[k]);
+    from[k] = part[k] * axes[k].count / blocks_along(axes[k]);
+    to[k] = (part[k] + 1) * axes[k].count / blocks_along(axes[k]);
   }
-  const auto off_middle = [&](const Place& p) {  // in half steps
+  const auto centre_distance = [&](const Place& p) {  // in half steps
     std::size_t sum = 0;
     for (std::size_t k = 0; k < kAxes; ++k) {
       const std::size_t twice = 2 * p[k], middle = from[k] + to[k] - 1;
@@ -78,7 +78,7 @@ std::vector<std::size_t> AtlasGrid::block(std::size_t b) const {
     for (p[1] = from[1]; p[1] < to[1]; ++p[1])
       for (p[2] = from[2]; p[2] < to[2]; ++p[2]) out.push_back(index(p));
   std::stable_sort(out.begin(), out.end(),
-                   [&](std::size_t i, std::size_t j) { return off_middle(place(i)) < off_middle(place(j)); });
+                   [&](std::size_t i, std::size_t j) { return centre_distance(place(i)) < centre_distance(place(j)); });
   return out;
 }
 

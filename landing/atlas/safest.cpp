@@ -7,7 +7,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Motions played over drops, which are kept in the order in which they are played.
+/// Plays motions over drops, in an order in which the drops that ended a motion come first.
 class Trials {
  public:
   Trials(const AtlasRobot& robot, const AtlasGrid& grid, std::span<const AtlasCell> cells, int threads,
@@ -22,7 +22,7 @@ class Trials {
                      [&](std::size_t a, std::size_t b) { return hardness(a) > hardness(b); });
   }
 
-  /// The worst peak of a drop's motion, or what is above `bound` as soon as one is; that drop comes first from then on.
+  /// The worst peak of a drop's motion, or the first one above `bound`, whose drop comes first from then on.
   double worst(std::size_t drop, const MotionValues& values, double bound) {
     trial_->set(grid_.drop(drop), values);
     double worst = 0;

@@ -43,16 +43,16 @@ AtlasCell cell_of(const Optimum& best) {
 class TwoLinkTrial : public AtlasTrial {
  public:
   TwoLinkTrial(const Scene& scene, const SeaParameters<double>& sea, int threads, const std::function<bool()>& over)
-      : there_(scene), sea_(sea), threads_(threads), over_(over) {
+      : scene_(scene), sea_(sea), threads_(threads), over_(over) {
     if (scene.joint) limits_.joint = *scene.joint;
   }
   void set(const Drop& planned_for, const MotionValues& values) override {
-    there_.drop = planned_for;
-    played_ = ReferenceSpace(there_, sea_).play(values);
+    scene_.drop = planned_for;
+    played_ = ReferenceSpace(scene_, sea_).play(values);
   }
   void play(std::span<const Drop> drops, double bound, std::span<double> peaks) override {
     constexpr double kAccuracy = 1e-5;
-    if (scenes_.size() < drops.size()) scenes_.resize(drops.size(), there_);
+    if (scenes_.size() < drops.size()) scenes_.resize(drops.size(), scene_);
     cases_.clear(), landings_.resize(drops.size());
     for (std::size_t k = 0; k < drops.size(); ++k) {
       scenes_[k].drop = drops[k];
@@ -66,7 +66,7 @@ class TwoLinkTrial : public AtlasTrial {
   }
 
  private:
-  Scene there_;
+  Scene scene_;
   SeaParameters<double> sea_;
   int threads_;
   const std::function<bool()>& over_;

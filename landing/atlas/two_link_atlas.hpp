@@ -1,4 +1,4 @@
-// The paper's robot as an atlas sees it.
+// Interface of the paper's robot to an atlas.
 #pragma once
 
 #include "common/actuator.hpp"
@@ -16,7 +16,7 @@ class TwoLinkAtlas : public AtlasRobot {
   std::string checksum() const override { return robot_checksum(scene_, actuator_.sea); }
   std::vector<Variable> variables() const override;
   void validate(const AtlasGrid& grid) const override;
-  Scatter scatter(const std::optional<Scatter>& asked) const override { return scatter_for(asked, scene_); }
+  Scatter scatter(const std::optional<Scatter>& requested) const override { return scatter_for(requested, scene_); }
   AtlasCell plan(const AtlasOptions& options, const AtlasTask& task) const override;
   std::unique_ptr<AtlasTrial> trial(int threads, const std::function<bool()>& over) const override;
 

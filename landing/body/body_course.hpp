@@ -1,5 +1,5 @@
-// The discrete course of a landing of a robot of links, told once for every scalar: how it is released, what every
-// event and every deadline changes. The scalar run (body_follow.hpp) and the one with derivatives
+// The discrete course of a landing of a robot of links, for every scalar: the release, and the changes at events and
+// deadlines. The scalar run (body_follow.hpp) and the one with derivatives
 // (landing/derivatives) only step from one to the next.
 //
 // Every driven joint starts its motion at the first touchdown of any contact, detection_delay later, from where its
@@ -25,20 +25,19 @@ class BodyCourse {
   using State = typename System::State;
   static constexpr double kNever = std::numeric_limits<double>::infinity();
 
-  /// What is played by each joint of `system`, and how the robot falls: to be seeded with derivatives before
-  /// released().
-  BodyCourse(const BodyScene& scene, const BodyMotion& given)
+  /// Before released(), `system`, `motion` and `drop` may be seeded with derivatives.
+  BodyCourse(const BodyScene& scene, const BodyMotion& motions)
       : system(scene.robot, scene.slope),
         drop{T(scene.drop.height), T(scene.drop.forward_speed), T(scene.drop.pitch), T(scene.drop.pitch_rate),
              T(scene.drop.vertical_speed)},
         scene_(scene) {
     if (!scene.floor) system.body.contacts = 0;
     for (int i = 0; i < joints(); ++i) {
-      const Motion& m = given[std::size_t(system.body.joint[i].joint)];
+      const Motion& m = motions[std::size_t(system.body.joint[i].joint)];
       motion[i] = m.cast<T>();
       if (value_of(system.drive[i].sea.tau_max) == 0) system.joint[i].saturation = 1;  // one branch, never left
-      air_[i] = driven(i) && m.reposition ? m.reposition->from : kNever;
-      end_[i] = kNever;
+      reposition_deadline_[i] = driven(i) && m.reposition ? m.reposition->from : kNever;
+      motion_end_[i] = kNever;
     }
   }
 
@@ -52,72 +51,71 @@ class BodyCourse {
   bool touched() const { return first_touchdown_ < kNever; }
   double first_touchdown() const { return first_touchdown_; }
   int first_contact() const { return first_contact_; }
-  /// The landing motions still wait for their start.
-  bool waits() const { return detected_ < kNever; }
-  /// Where the run ends at the latest [s], and whether that moves with the first touchdown.
-  double limit() const { return limit_; }
+  /// The first touchdown has happened, the landing motions have not started.
+  bool detecting() const { return detection_ < kNever; }
+  /// Time limit of the run [s], and whether it moves with the first touchdown.
+  double limit() const { return t_limit_; }
   bool limit_moves() const { return !scene_.t_end && touched(); }
-  /// The next deadline: no step goes beyond it [s].
+  /// The next deadline, which no step may cross [s].
   double stop() const {
-    double t = std::min(limit_, detected_);
-    for (int i = 0; i < joints(); ++i) t = std::min({t, air_[i], end_[i]});
+    double t = std::min(t_limit_, detection_);
+    for (int i = 0; i < joints(); ++i) t = std::min({t, reposition_deadline_[i], motion_end_[i]});
     return t;
   }
-  /// A step while a reference moves is no longer, or the motion is passed over [s].
-  double longest_step() const { return longest_; }
+  /// Maximum step while a reference moves, so that no step skips the motion [s].
+  double longest_step() const { return max_step_; }
 
-  /// Of the steps: no looser than what the drives' friction asks for.
-  double step_accuracy(double asked) const {
-    double out = asked;
+  /// Accuracy of the steps: `requested`, or finer if the friction of a drive requires it.
+  double step_accuracy(double requested) const {
+    double out = requested;
     for (int i = 0; i < joints(); ++i) {
       SeaParameters<double> sea = joint_of(i).sea;
       if (joint_of(i).kind == DriveKind::kGeared) sea.output_friction = sea.friction + sea.spring_loss;
-      out = std::min(out, landing::step_accuracy(asked, sea));
+      out = std::min(out, landing::step_accuracy(requested, sea));
     }
     return out;
   }
 
-  /// At rest but for the drop's speeds, the joints at phi_I or where passive ones are let go, their springs relaxed.
+  /// State at release: the drop's speeds, joints at their angles and rates of release, springs relaxed.
   State released() {
-    limit_ = scene_.t_end.value_or(flight_limit());
+    t_limit_ = scene_.t_end.value_or(flight_limit());
     State y = State::Zero();
     y[System::kTheta] = drop.pitch - T(scene_.slope);
-    if (!system.body.first_stays) y[System::kOmega] = drop.pitch_rate;
+    if (!system.body.first_fixed) y[System::kOmega] = drop.pitch_rate;
     for (int i = 0; i < joints(); ++i) {
-      const JointPlace& at = system.body.joint[i];
+      const TreeJoint& at = system.body.joint[i];
       const T phi = driven(i) ? motion[i].release_phi() : T(joint_of(i).phi),
               rate = driven(i) ? motion[i].release_rate() : T(0);
-      // The ground of a pinned joint is the true one.
+      // A pinned joint measures its angle against the true level.
       const T theta = at.parent >= 0 ? y[System::kTheta + at.parent] : T(-scene_.slope);
       if (at.parent >= 0 || driven(i)) y[System::kTheta + at.child] = theta + phi - T(at.offset);
       if (at.parent >= 0 || driven(i))
         y[System::kOmega + at.child] = (at.parent >= 0 ? y[System::kOmega + at.parent] : T(0)) + rate;
       y[System::kPhiM + i] = phi, y[System::kOmegaM + i] = joint_of(i).kind == DriveKind::kElastic ? rate : T(0);
-      system.piece[i] = standing_at(motion[i].release_phi());
+      system.piece[i] = constant_reference(motion[i].release_phi());
     }
-    place(y);
+    place_base(y);
     system.settle_lags(0.0, y);
     system.settle(0.0, y);
     return y;
   }
 
-  /// Where nothing turns and nothing strains the first flight is closed-form: only the base moves, as under gravity.
-  /// Moves y, as it was released, to shortly before the first touchdown or to the first deadline, and returns when that
-  /// is; else 0 [s].
+  /// Free fall in closed form, if no joint or link turns or accelerates relative to the base: moves y from release to
+  /// shortly before the first touchdown or to the first deadline, and returns that time; else 0 [s].
   double fall(State& y) const {
     constexpr double kShortly = 1e-5;  // [s]
-    constexpr double kStill = 1e-8;    // what rounding makes of no acceleration [rad/s^2], and its like
-    constexpr int kAngles = int(System::kVx) - int(System::kTheta), kBehind = int(System::kOmega);
+    constexpr double kStill = 1e-8;    // rounding error of an acceleration of 0 [rad/s^2], [m/s^2]
+    constexpr int kAngles = int(System::kVx) - int(System::kTheta), kTail = int(System::kOmega);
     const Body<T, kSize>& body = system.body;
-    State dy, later;
-    const auto stands = [&](double t, const State& at, State& rate) {
+    State dy, dy_end;
+    const auto in_free_fall = [&](double t, const State& at, State& rate) {
       system.derivative(t, at, rate);
       return rate.template segment<kAngles>(System::kTheta).isZero(0) &&
-             rate.tail(State::RowsAtCompileTime - kBehind).isZero(kStill);
+             rate.tail(State::RowsAtCompileTime - kTail).isZero(kStill);
     };
     const bool rail_stop = std::any_of(body.stop.begin() + body.stops_begin, body.stop.begin() + body.stops_end,
                                        [](auto& s) { return s.joint < 0; });
-    if (body.base == Base::kPinned || rail_stop || !stands(0, y, dy)) return 0;
+    if (body.base == Base::kPinned || rail_stop || !in_free_fall(0, y, dy)) return 0;
     const typename System::Pose p = system.pose(y);
     const typename System::Accelerations acc = system.accelerations_of(dy);
     double t = kNever;
@@ -132,77 +130,76 @@ class BodyCourse {
       const int v = k + int(System::kPositions);
       end[k] += t * (y[v] + 0.5 * t * dy[v]), end[v] += t * dy[v];
     }
-    if (!stands(0, end, later) ||
-        std::hypot(later[System::kVx] - dy[System::kVx], later[System::kVy] - dy[System::kVy]) > kStill)
+    if (!in_free_fall(0, end, dy_end) ||
+        std::hypot(dy_end[System::kVx] - dy[System::kVx], dy_end[System::kVy] - dy[System::kVy]) > kStill)
       return 0;
     y = end;
     return t;
   }
 
-  /// Beyond guard `event`, which fell through zero at time t.
+  /// The mode change of guard `event`, which fell through zero at time t.
   struct Crossing {
     int touched = -1;      ///< the contact that touches down
     bool surface = false;  ///< it touches down or lifts off
-    bool lands = false;    ///< the landing motions start at once: `land` is due
+    bool lands = false;    ///< the landing motions start now: call `land`
   };
   Crossing cross(int event, const T& t, State& y) {
     Crossing out{.touched = system.cross(event, y)};
-    out.surface = event < System::kJointGuards && event % System::kOfContact == System::kSurface &&
-                  !system.is_stop(event / System::kOfContact);
+    out.surface = event < System::kJointGuards && event % System::kGuardsPerContact == System::kSurface &&
+                  !system.is_stop(event / System::kGuardsPerContact);
     if (out.touched < 0 || touched()) return out;
     first_touchdown_ = value_of(t), first_contact_ = out.touched;
-    if (!scene_.t_end) limit_ = first_touchdown_ + Scene::kFollow;
-    detected_ = first_touchdown_ + scene_.detection_delay;
+    if (!scene_.t_end) t_limit_ = first_touchdown_ + Scene::kFollow;
+    detection_ = first_touchdown_ + scene_.detection_delay;
     out.lands = scene_.detection_delay == 0;
     return out;
   }
-  /// After a crossing, and where landing motions start: what friction no longer holds slips.
+  /// After a crossing and after `land`: places that friction no longer holds start to slip.
   void settle(double t, State& y) { system.hold_or_slip(t, y); }
-  /// Whether the landing motions are due at a deadline; what else is, `advance` does.
-  bool lands_at(double t) const { return t + kRounding >= detected_; }
-  /// The landing motions start.
+  /// Whether the landing motions start at the deadline t; other changes are made by `advance`.
+  bool lands_at(double t) const { return t + kRounding >= detection_; }
+  /// Starts the landing motions.
   void land(const T& t) {
-    detected_ = kNever;
+    detection_ = kNever;
     for (int i = 0; i < joints(); ++i) {
       if (!driven(i)) continue;
-      set(i, ReferenceChange::kLand, t), system.joint[i].phase = Phase::kMoving;
-      air_[i] = kNever, end_[i] = value_of(t) + value_of(motion[i].duration);
+      set_piece(i, ReferenceChange::kLand, t), system.joint[i].phase = Phase::kMoving;
+      reposition_deadline_[i] = kNever, motion_end_[i] = value_of(t) + value_of(motion[i].duration);
       system.drive[i].sea = with_landing_gains(system.drive[i].sea, motion[i]);
     }
-    find_longest();
+    update_longest_step();
   }
-  /// What is due at a deadline beside `land`: references begin and end, smoothly.
+  /// Changes at a deadline other than `land`: references begin and end, smoothly.
   void advance(double t) {
     for (int i = 0; i < joints(); ++i) {
       Phase& phase = system.joint[i].phase;
-      if (t + kRounding >= end_[i]) phase = Phase::kAfter, end_[i] = kNever;
-      if (!(t + kRounding >= air_[i])) continue;
-      const bool begins = phase == Phase::kBefore && air_[i] == value_of(motion[i].reposition->from);
-      set(i, begins ? ReferenceChange::kReposition : ReferenceChange::kStand, T(t));
+      if (t + kRounding >= motion_end_[i]) phase = Phase::kAfter, motion_end_[i] = kNever;
+      if (!(t + kRounding >= reposition_deadline_[i])) continue;
+      const bool begins = phase == Phase::kBefore && reposition_deadline_[i] == value_of(motion[i].reposition->from);
+      set_piece(i, begins ? ReferenceChange::kReposition : ReferenceChange::kHoldInitial, T(t));
       phase = begins ? Phase::kMoving : Phase::kBefore;
-      air_[i] = begins ? value_of(motion[i].reposition->to) : kNever;
+      reposition_deadline_[i] = begins ? value_of(motion[i].reposition->to) : kNever;
     }
-    find_longest();
+    update_longest_step();
   }
 
  private:
   static constexpr double kRounding = 1e-14;  // [s]
 
-  /// How long a run is followed for its first touchdown: until the highest rise and the longest fall are over, and as
-  /// long again as any landing [s].
+  /// Time limit before the first touchdown: an upper bound of the flight, plus Scene::kFollow [s].
   double flight_limit() const {
     const Robot& robot = scene_.robot;
     double rates = std::abs(scene_.drop.pitch_rate);
     for (int i = 0; i < joints(); ++i)
       if (driven(i)) rates += std::abs(value_of(motion[i].release_rate()));
-    const double g = robot.gravity, far = 2 * reach(robot),
-                 rise = far * rates + std::max(0.0, scene_.drop.vertical_speed);
+    const double g = robot.gravity, twice_reach = 2 * reach(robot),
+                 rise = twice_reach * rates + std::max(0.0, scene_.drop.vertical_speed);
     if (!scene_.touches() || !(g > 0) || robot.base == Base::kPinned) return Scene::kFollow;
-    return (rise + std::sqrt(rise * rise + 2 * g * (scene_.drop.height + 2 * far))) / g + Scene::kFollow;
+    return (rise + std::sqrt(rise * rise + 2 * g * (scene_.drop.height + 2 * twice_reach))) / g + Scene::kFollow;
   }
 
-  /// The base where the drop has it.
-  void place(State& y) {
+  /// Places the base as the drop says.
+  void place_base(State& y) {
     const Robot& robot = scene_.robot;
     const typename System::Pose p = system.pose(y);
     if (robot.base == Base::kPinned) {
@@ -214,7 +211,7 @@ class BodyCourse {
       const T surface = system.point_at(i, p).y - system.point[i].thickness;
       if (value_of(surface) < value_of(lowest)) lowest = surface;
     }
-    // Off the floor by more than rounding: what begins below it, at rest, never falls through its surface.
+    // Above the floor by more than rounding: a point that starts below it at rest would have no touchdown.
     constexpr double kOnFloor = 1e-12;  // [m]
     const T height = drop.height + T(std::max(0.0, kOnFloor - value_of(drop.height)));
     const T lift = value_of(lowest) < kNever ? T(height - lowest) : height;
@@ -223,7 +220,7 @@ class BodyCourse {
       if (present(drop.vertical_speed)) y[System::kVx] = drop.vertical_speed / T(std::sin(robot.rail_direction));
       return;
     }
-    // The first link's origin begins over x = 0, and has the forward speed.
+    // The first link's origin starts at x = 0 with the forward speed.
     const auto origin = position(system.body.first, p, system.body.bodies),
                speed = velocity(system.body.first, p, system.body.bodies);
     const T v = drop.forward_speed, up = drop.vertical_speed, c(std::cos(scene_.slope)), s(std::sin(scene_.slope));
@@ -231,21 +228,23 @@ class BodyCourse {
     y[System::kVx] = v * c + up * s - speed[0], y[System::kVy] = -v * s + up * c - speed[1];
   }
 
-  void set(int i, ReferenceChange to, const T& t) { system.piece[i] = piece_after(to, motion[i], system.piece[i], t); }
-  void find_longest() {
-    constexpr double kPart = 0.125;
+  void set_piece(int i, ReferenceChange to, const T& t) {
+    system.piece[i] = piece_after(to, motion[i], system.piece[i], t);
+  }
+  void update_longest_step() {
+    constexpr double kFraction = 0.125;
     double shortest = kNever;
     for (int i = 0; i < joints(); ++i) {
       const ReferencePiece<T>& piece = system.piece[i];
       if (system.joint[i].phase == Phase::kMoving && (value_of(piece.a) != value_of(piece.b) || has_bumps(motion[i])))
         shortest = std::min(shortest, value_of(piece.duration));
     }
-    longest_ = kPart * shortest;
+    max_step_ = kFraction * shortest;
   }
 
   const BodyScene& scene_;
-  std::array<double, kSize.joints> air_{}, end_{};
-  double limit_ = kNever, first_touchdown_ = kNever, detected_ = kNever, longest_ = kNever;
+  std::array<double, kSize.joints> reposition_deadline_{}, motion_end_{};
+  double t_limit_ = kNever, first_touchdown_ = kNever, detection_ = kNever, max_step_ = kNever;
   int first_contact_ = -1;
 };
 

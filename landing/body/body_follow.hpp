@@ -1,4 +1,4 @@
-// One landing of a robot of any joints from event to event. Included by what compiles kernels, by no other.
+// One landing of a robot of links from event to event. Included only by files that compile kernels.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace ukemi::landing {
 
-/// `Recorder`: what sees a run with kReport; it is made from the last argument of the constructor.
+/// `Recorder` observes a run with kReport; it is constructed from the last argument of the constructor.
 template <class Method, Capacity kSize, bool kReport, template <class, bool> class Recorder = BodyRecorder>
 class BodyFollower {
  public:
@@ -30,7 +30,7 @@ class BodyFollower {
         course_(scene, motion),
         system_(course_.system),
         recorder_(scene, out, recorded),
-        abandon_(options.abandon_above * own_rating(scene)),
+        abandon_peak_(options.abandon_above * peak_rating(scene)),
         impact_(impact_energy(system_)) {
     if (observed(scene)) loads_.emplace(scene, system_);
   }
@@ -39,21 +39,21 @@ class BodyFollower {
     State y = course_.released();
     if constexpr (kReport) recorder_.start(system_, y);
     const double fallen = kReport ? 0 : course_.fall(y);
-    integrate::Integrator<Method, System> driver(
+    integrate::Integrator<Method, System> integrator(
         system_, fallen, y,
         {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step});
     std::optional<End> end;
-    for (long n = 0; !end; ++n) end = advance(driver, n);
-    out_.end = *end, out_.t_end = t_, out_.work = driver.counters();
+    for (long n = 0; !end; ++n) end = advance(integrator, n);
+    out_.end = *end, out_.t_end = t_, out_.work = integrator.counters();
     out_.peak = std::sqrt(peak_.square), out_.t_peak = peak_.t;
     out_.first_touchdown = course_.first_touchdown(), out_.first_contact = course_.first_contact();
-    const State& last = driver.state();
+    const State& last = integrator.state();
     const bool free = scene_.robot.base == Base::kFree;
     out_.base = {last[System::kX], free ? last[System::kY] : 0},
     out_.speed = {last[System::kVx], free ? last[System::kVy] : 0};
     if (loads_) {
       out_.loads = loads_->finish(t_, peak_);
-      find_broken();
+      check_limits();
     }
     if constexpr (kReport) recorder_.finish();
   }
@@ -61,46 +61,46 @@ class BodyFollower {
  private:
   int joints() const { return course_.joints(); }
 
-  /// One step, and what it means for the landing: how the run ended, if it did.
-  template <class Driver>
-  std::optional<End> advance(Driver& driver, long n) {
-    if (course_.longest_step() < Course::kNever) driver.limit_next_step(course_.longest_step());
-    const integrate::Outcome outcome = driver.step(course_.stop());
-    t_ = driver.time(), out_.status = outcome.status;
-    if (n >= options_.max_steps) return failed(Failure::kSteps);
-    if (outcome.status > integrate::Status::kEvent) return failed(Failure::kIntegration);
-    if (!outcome.immediate && driver.step().h > 0) {
-      if (!peak_.step(system_, driver)) return failed(Failure::kUnresolved);
-      if (softened(driver.state())) return failed(Failure::kGivesWay);
-      if constexpr (kReport) recorder_.step(system_, driver);
-      if (loads_) bear(driver);
+  /// Takes a step and handles its event or deadline. Returns how the run ended, if it did.
+  template <class Integrator>
+  std::optional<End> advance(Integrator& integrator, long n) {
+    if (course_.longest_step() < Course::kNever) integrator.limit_next_step(course_.longest_step());
+    const integrate::Outcome outcome = integrator.step(course_.stop());
+    t_ = integrator.time(), out_.status = outcome.status;
+    if (n >= options_.max_steps) return fail(Failure::kSteps);
+    if (outcome.status > integrate::Status::kEvent) return fail(Failure::kIntegration);
+    if (!outcome.immediate && integrator.step().h > 0) {
+      if (!peak_.step(system_, integrator)) return fail(Failure::kUnresolved);
+      if (spring_gave_way(integrator.state())) return fail(Failure::kGivesWay);
+      if constexpr (kReport) recorder_.step(system_, integrator);
+      if (loads_) update_loads(integrator);
     }
     if (out_.broken && scene_.ends_broken) return End::kBroken;
-    if (peak_.square > abandon_ * abandon_ || (loads_ && loads_->worth() > options_.abandon_above))
+    if (peak_.square > abandon_peak_ * abandon_peak_ || (loads_ && loads_->worth() > options_.abandon_above))
       return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
-    if (outcome.event >= 0) return cross(driver, outcome.event), std::nullopt;
+    if (outcome.event >= 0) return cross(integrator, outcome.event), std::nullopt;
     if (outcome.status == integrate::Status::kReached) {
       if (t_ >= course_.limit()) return course_.touched() || !scene_.touches() ? End::kTimeLimit : End::kNoContact;
       if (course_.lands_at(t_)) land();
-      course_.advance(t_), jump(driver);
+      course_.advance(t_), jump(integrator);
     }
-    const bool asked = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.waits();
-    const double least = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
-    if (asked && at_rest(system_, t_, driver.state(), least, impact_)) return End::kRest;
+    const bool may_rest = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.detecting();
+    const double rest_square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
+    if (may_rest && at_rest(system_, t_, integrator.state(), rest_square, impact_)) return End::kRest;
     return std::nullopt;
   }
-  /// What the step brings to the loads.
-  template <class Driver>
-  [[gnu::noinline]] void bear(Driver& driver) {
-    loads_->step(system_, driver, peak_);
-    find_broken();
+  /// Tracks the loads in the step.
+  template <class Integrator>
+  [[gnu::noinline]] void update_loads(Integrator& integrator) {
+    loads_->step(system_, integrator, peak_);
+    check_limits();
   }
-  void find_broken() {
+  void check_limits() {
     if (out_.broken) return;
     if (const int load = loads_->exceeded(); load >= 0) out_.broken = {load, t_};
   }
-  bool softened(const State& y) const {
+  bool spring_gave_way(const State& y) const {
     for (int i = 0; i < joints(); ++i) {
       const auto& sea = system_.drive[i].sea;
       const SeaState<double> s = system_.joint_state(i, y);
@@ -109,42 +109,42 @@ class BodyFollower {
     }
     return false;
   }
-  End failed(Failure why) {
+  End fail(Failure why) {
     out_.failure = why;
     return End::kFailed;
   }
-  template <class Driver>
-  void jump(Driver& driver) {
-    State y = driver.state();
+  template <class Integrator>
+  void jump(Integrator& integrator) {
+    State y = integrator.state();
     course_.settle(t_, y);
-    driver.refresh(y), peak_.jump();
+    integrator.refresh(y), peak_.jump();
     if (loads_) loads_->jump();
     if constexpr (kReport) recorder_.jump();
   }
-  template <class Driver>
-  void cross(Driver& driver, int event) {
-    if constexpr (kReport) recorder_.row(system_, t_, driver.state());
-    State y = driver.state();
+  template <class Integrator>
+  void cross(Integrator& integrator, int event) {
+    if constexpr (kReport) recorder_.row(system_, t_, integrator.state());
+    State y = integrator.state();
     const typename Course::Crossing crossing = course_.cross(event, t_, y);
     const int touched = crossing.touched;
-    driver.refresh(y);
+    integrator.refresh(y);
     if (loads_ && crossing.surface) {
-      touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(event / System::kOfContact, t_);
-      find_broken();
+      touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(event / System::kGuardsPerContact, t_);
+      check_limits();
     }
     if (crossing.lands) land();
-    jump(driver);
+    jump(integrator);
     if constexpr (kReport) {
-      const bool bottoms = event < System::kJointGuards && event % System::kOfContact == System::kBottom;
+      const bool bottoms = event < System::kJointGuards && event % System::kGuardsPerContact == System::kBottom;
       if (crossing.surface || bottoms) recorder_.force_jumps(t_);
       if (touched >= 0) recorder_.touchdown(touched, t_);
-      if (crossing.surface && touched < 0) recorder_.liftoff(event / System::kOfContact, t_);
-      recorder_.row(system_, t_, driver.state());
+      if (crossing.surface && touched < 0) recorder_.liftoff(event / System::kGuardsPerContact, t_);
+      recorder_.row(system_, t_, integrator.state());
     }
   }
 
   void land() {
-    if (loads_) loads_->land(motion_, t_), find_broken();
+    if (loads_) loads_->land(motion_, t_), check_limits();
     course_.land(t_);
   }
 
@@ -157,7 +157,7 @@ class BodyFollower {
   Recorder<System, kReport> recorder_;
   PeakTracker peak_;
   std::optional<LoadObserver<System>> loads_;
-  double t_ = 0, abandon_, impact_;
+  double t_ = 0, abandon_peak_, impact_;
 };
 
 }  // namespace ukemi::landing

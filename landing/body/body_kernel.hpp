@@ -1,4 +1,4 @@
-// The fast path of one kernel: nothing but the peak. Instantiated for each in body_kernel.cpp; private to landing.
+// Peak only, with one kernel. Instantiated for each kernel in body_kernel.cpp; private to landing.
 #pragma once
 
 #include "landing/body/body_run.hpp"

@@ -14,23 +14,23 @@ namespace ukemi::landing {
 
 BodyMotion read_body_motion(const std::string& path, const Robot& robot) {
   BodyMotion out(robot.joints.size());
-  const auto for_driven = [&](auto&& f) {
+  const auto for_each_driven = [&](auto&& f) {
     for (std::size_t i = 0; i < out.size(); ++i)
       if (robot.joints[i].driven()) f(robot.joints[i].name, out[i]);
   };
   if (std::filesystem::path(path).extension() == ".csv") {
     const std::vector<std::string> header = csv_header(path);
-    const bool plain = only_driven(robot) && std::find(header.begin(), header.end(), "phi_ref") != header.end();
-    for_driven([&](const std::string& joint, Motion& m) { m = read_motion_csv(path, plain ? "" : joint); });
+    const bool plain = sole_driven_joint(robot) && std::find(header.begin(), header.end(), "phi_ref") != header.end();
+    for_each_driven([&](const std::string& joint, Motion& m) { m = read_motion_csv(path, plain ? "" : joint); });
     return out;
   }
   TomlFile file(path);
   TomlSection motions = file.require("motion");
   auto moves = file.optional("reposition");
-  if (only_driven(robot) && motions.has("duration")) {
-    for_driven([&](const std::string&, Motion& m) { m = read_motion(motions, moves); });
+  if (sole_driven_joint(robot) && motions.has("duration")) {
+    for_each_driven([&](const std::string&, Motion& m) { m = read_motion(motions, moves); });
   } else {
-    for_driven([&](const std::string& joint, Motion& m) {
+    for_each_driven([&](const std::string& joint, Motion& m) {
       auto s = motions.optional_section(joint);
       if (!s) motions.fail(joint, fmt::format("a table [motion.{}] is needed: the joint is driven", joint));
       m = read_motion(*s, moves ? moves->optional_section(joint) : std::nullopt);
@@ -52,17 +52,17 @@ std::string body_motion_toml(const BodyMotion& motion, const Robot& robot, const
 
 namespace {
 
-/// A driven joint's rows: where its columns stand, and what it plays.
+/// Column suffix and motion of a driven joint.
 struct JointRows {
   std::string suffix;
-  Motion motion, landing;  ///< landing: from where the reference is at its expected start
+  Motion motion, landing;  ///< landing: from the reference at its expected start
 
   Reference<double> at(double t, double start) const {
     return t < 0 ? reference_before(motion, start + t) : reference_of(landing, t);
   }
 };
 
-/// The times of all joints' rows, which are those of each by itself.
+/// The sorted times of the rows of all joints.
 std::vector<double> row_times(const std::vector<JointRows>& joints, double start, double rate) {
   std::vector<double> times;
   for (const JointRows& j : joints) {
@@ -74,7 +74,7 @@ std::vector<double> row_times(const std::vector<JointRows>& joints, double start
   return times;
 }
 
-/// What a reader must know of rows before t = 0.
+/// Comment on the clock of the rows; `air`: some have t < 0.
 std::string clock_words(bool air, double start) {
   if (!air) return "t = 0 at the detected first touchdown; before it hold the first row. Units: s, rad, rad/s.";
   return fmt::format(
@@ -94,7 +94,8 @@ std::string body_motion_csv(const BodyMotion& motion, const Robot& robot, double
   std::vector<JointRows> joints;
   for (std::size_t i = 0; i < motion.size(); ++i)
     if (robot.joints[i].driven())
-      joints.push_back({only_driven(robot) ? "" : "_" + robot.joints[i].name, motion[i], started_at(motion[i], start)});
+      joints.push_back(
+          {sole_driven_joint(robot) ? "" : "_" + robot.joints[i].name, motion[i], started_at(motion[i], start)});
   const std::vector<double> times = row_times(joints, start, rate);
   const bool air = !times.empty() && times.front() < 0;
   std::vector<std::string> names = {"t"};

@@ -1,4 +1,4 @@
-// What a report needs of a run beside its peak. Private to body_run.cpp.
+// Recorder of a run for reports. Private to body_run.cpp.
 #pragma once
 
 #include <algorithm>
@@ -10,14 +10,14 @@
 
 namespace ukemi::landing {
 
-/// Of a driven joint: |speed| of its motor at the output [rad/s] and |torque| [Nm].
+/// |Speed| of the motor of a driven joint, at the output [rad/s], and its |torque| [Nm].
 template <class System>
 std::pair<double, double> motor_demand(const System& s, int i, double t, const typename System::State& y) {
   const SeaState<double> q = s.joint_state(i, y);
-  return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(torque_of_motor(s, i, t, y))};
+  return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(motor_torque_at(s, i, t, y))};
 }
 
-/// Collects touches, peaks, demands, the energy check and the trajectory; without kReport nothing.
+/// Collects touches, peaks, demands, the energy check and the trajectory.
 template <class System, bool kReport>
 class BodyRecorder {
  public:
@@ -28,7 +28,7 @@ class BodyRecorder {
 
   void start(const System& s, const State& y) {
     energy_start_ = s.link_energy(y);
-    turned_ =
+    energy_turnover_ =
         kinetic_energy(s.body, s.pose(y)) + s.body.mass * std::hypot(s.gravity[0], s.gravity[1]) * scene_.drop.height;
     out_.demands.assign(scene_.robot.joints.size(), {});
     for (int i = 0; i < s.body.joints; ++i) {
@@ -43,14 +43,14 @@ class BodyRecorder {
 
   template <class Integrator>
   void step(const System& s, Integrator& integrator) {
-    (void)log_.since.step(s, integrator);  // the run has judged the step
+    (void)log_.since.step(s, integrator);  // the follower has checked the step
     const auto& step = integrator.step();
-    for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0})
-      observe(s, step.t + part * step.h, integrator.dense().at(part));
+    for (const double fraction : {0.0, 0.25, 0.5, 0.75, 1.0})
+      observe(s, step.t + fraction * step.h, integrator.dense().at(fraction));
     for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
       if (next_row() >= step.t) row(s, next_row(), integrator.dense().at(step.place_of(next_row())));
     const double work = step.y_end[System::kWork];
-    turned_ += std::abs(work - work_), work_ = work;
+    energy_turnover_ += std::abs(work - work_), work_ = work;
     mismatch_ = std::max(mismatch_, std::abs(s.link_energy(step.y_end) - energy_start_ - work));
   }
 
@@ -59,7 +59,7 @@ class BodyRecorder {
   void liftoff(int contact, double t) { log_.liftoff(contact, t); }
   void finish() {
     log_.finish();
-    out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
+    out_.energy_residual = energy_turnover_ > 0 ? mismatch_ / energy_turnover_ : 0;
   }
 
  private:
@@ -68,22 +68,22 @@ class BodyRecorder {
   void observe(const System& s, double t, const State& y) {
     const auto p = s.pose(y);
     for (int i = 0; i < s.body.contacts; ++i)
-      if (Touch* const touch = log_.open(i))
+      if (Touch* const touch = log_.current(i))
         touch->peak_force = std::max(touch->peak_force, contact_force(s, i, p, y).norm());
-    const auto on_child = s.torques(t, y);
+    const auto joint_torques = s.torques(t, y);
     for (int i = 0; i < s.body.joints; ++i) {
       const SeaState<double> q = s.joint_state(i, y);
       const auto& drive = s.drive[i];
       JointDemands& d = out_.demands[std::size_t(s.body.joint[i].joint)];
       d.phi_min = std::min(d.phi_min, q.phi), d.phi_max = std::max(d.phi_max, q.phi);
-      d.torque = std::max(d.torque, std::abs(on_child[std::size_t(i)]));
+      d.torque = std::max(d.torque, std::abs(joint_torques[std::size_t(i)]));
       if (drive.kind != DriveKind::kGeared && drive.kind != DriveKind::kElastic) continue;
       const auto [speed, torque] = motor_demand(s, i, t, y);
       d.motor_speed = std::max(d.motor_speed, speed), d.motor_torque = std::max(d.motor_torque, torque);
     }
   }
 
-  /// In the true frame: the floor's is turned by the slope.
+  /// A trajectory row, in the true frame (the floor's is rotated by the slope).
   BodySample sample(const System& s, double t, const State& y) const {
     const double c = std::cos(scene_.slope), sn = std::sin(scene_.slope);
     const auto level = [&](const Vec2<double>& v) {
@@ -101,13 +101,13 @@ class BodyRecorder {
     }
     for (std::size_t j = 0; j < scene_.robot.joints.size(); ++j)
       out.phi[j] = out.phi_ref[j] = scene_.robot.joints[j].phi;
-    const auto on_child = s.torques(t, y);
+    const auto joint_torques = s.torques(t, y);
     for (int i = 0; i < s.body.joints; ++i) {
       const std::size_t j = std::size_t(s.body.joint[i].joint);
       const SeaState<double> q = s.joint_state(i, y);
       const bool elastic = s.drive[i].kind == DriveKind::kElastic, driven = scene_.robot.joints[j].driven();
       out.phi[j] = q.phi, out.dphi[j] = q.dphi, out.phi_m[j] = elastic ? q.phi_m : q.phi;
-      out.tau[j] = on_child[std::size_t(i)], out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
+      out.tau[j] = joint_torques[std::size_t(i)], out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
     }
     const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
     out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();
@@ -123,7 +123,7 @@ class BodyRecorder {
   BodyLanding& out_;
   double rate_;
   long rows_ = 0;
-  double energy_start_ = 0, turned_ = 0, mismatch_ = 0, work_ = 0;
+  double energy_start_ = 0, energy_turnover_ = 0, mismatch_ = 0, work_ = 0;
   TouchLog log_;
 };
 

@@ -1,12 +1,12 @@
-// When a landing of a robot of any joints is over: the rule of landing/run/rest.hpp, whose thresholds it takes.
+// When a landing of a robot of links is over: the rule and the thresholds of landing/run/rest.hpp.
 //
-// After all motions have ended, no limit acts, and of what could still do something
-//     E = kinetic energy without the common sliding of a free robot + that of the motors
-//         + 1/2 a . M a / w^2,   a the accelerations were all rates 0, w as `softest`: what is out of balance, as the
-//           energy of the softest spring that may still carry it
+// All motions have ended, no torque limit acts, and the energy that could still act
+//     E = kinetic energy without the common sliding of a free robot + kinetic energy of the motors
+//         + 1/2 a . M a / w^2,   a the accelerations at zero rates, w the softest_frequency: the unbalanced forces, as
+//           the energy of the softest spring that may still carry them
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
-// robot's centre of mass also stands within its support, and E is at most kBarrierShare of the barrier to topple over
-// either end, and it does not gain speed down a slope. Ours; test/legs/references.cpp follows what it ends to the end.
+// robot's centre of mass is also within its support, E is at most kBarrierShare of the barrier to topple over either
+// end, and it does not gain speed down a slope. Ours; test/legs/references.cpp integrates ended runs to t_end.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 
 namespace ukemi::landing {
 
-/// As `impact_energy` of the paper's robot, of the stiffest contact [J per (m/s^2)^2].
+/// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
 template <class System>
 double impact_energy(const System& s) {
   constexpr double kDeep = 0.05;  // a contact of Hunt and Crossley is never deeper [m]
@@ -33,7 +33,7 @@ double impact_energy(const System& s) {
   return kImpactShare * 0.5 * m / (per_speed * per_speed);
 }
 
-/// How far the centre of mass of a free robot, shifted by the forces' lever, stands within its support [m].
+/// Distance of a free robot's centre of mass, shifted by the forces' lever, inside the edge of its support [m].
 template <class System>
 double support_margin(const System& s, const typename System::Pose& p, const typename System::State& y) {
   double left = std::numeric_limits<double>::infinity(), right = -left, along = 0;
@@ -43,45 +43,46 @@ double support_margin(const System& s, const typename System::Pose& p, const typ
     const double x = position(s.body.contact[i], p, s.body.bodies)[0];
     left = std::min(left, x), right = std::max(right, x);
     const auto at = s.point_at(i, p);
-    along -= tangential_force(s.point[i], m, s.held(i, y, at), normal_force(s.point[i], m, at.y, at.v, 0.0).value);
+    along -=
+        tangential_force(s.point[i], m, s.sticking_force(i, y, at), normal_force(s.point[i], m, at.y, at.v, 0.0).value);
   }
   const double weight = -s.body.mass * s.gravity[1], by_force = p.x - p.y * along / weight,
                by_weight = p.x - p.y * s.gravity[0] / s.gravity[1];
   return std::min(std::min(by_force, by_weight) - left, right - std::max(by_force, by_weight));
 }
 
-/// A lower bound of the frequency at which springs carry what is out of balance: the whole mass on the floor and, in
-/// series, on every joint at the longest lever, whose stiffness gravity may lower; where a joint has none left, or a
-/// contact is not linear, that of a pendulum longer than any robot [rad/s].
+/// Lower bound of the natural frequency: the whole mass on the contact's spring in series with every joint's at the
+/// longest lever, joint stiffness reduced by gravity. Without stiffness, or with a nonlinear contact, that of a
+/// pendulum longer than any robot [rad/s].
 template <class System>
-double softest(const System& s) {
-  constexpr double kSlow = 3;
+double softest_frequency(const System& s) {
+  constexpr double kPendulumFrequency = 3;
   double lever = 0, compliance = 0;  // [m], [m/N]
   const double weight = s.body.mass * std::hypot(s.gravity[0], s.gravity[1]);
   for (int i = 0; i < s.body.contacts; ++i) {
-    double far = 0;
-    for (int j = 0; j < s.body.bodies; ++j) far += std::hypot(s.body.contact[i].a[j], s.body.contact[i].b[j]);
-    lever = std::max(lever, s.body.base == Base::kFree ? 2 * far : far);
+    double arm_length = 0;
+    for (int j = 0; j < s.body.bodies; ++j) arm_length += std::hypot(s.body.contact[i].a[j], s.body.contact[i].b[j]);
+    lever = std::max(lever, s.body.base == Base::kFree ? 2 * arm_length : arm_length);
     const auto& x = s.point[i];
     if (!s.contact[i].touching) continue;
-    if (x.hunt_crossley) return kSlow;
+    if (x.hunt_crossley) return kPendulumFrequency;
     compliance = std::max(compliance, 1 / x.k + (x.padded ? 1 / x.k_pad : 0));
   }
   for (int i = 0; i < s.body.joints; ++i) {
     const auto& d = s.drive[i];
-    const double own = d.kind == DriveKind::kElastic  ? std::min(d.sea.k_p, d.sea.k_sea)
-                       : d.kind == DriveKind::kGeared ? d.sea.k_p
-                                                      : d.stiffness;
-    const double left = own + d.parallel_stiffness - weight * lever;
-    if (!(left > 0)) return kSlow;
-    compliance += lever * lever / left;
+    const double joint = d.kind == DriveKind::kElastic  ? std::min(d.sea.k_p, d.sea.k_sea)
+                         : d.kind == DriveKind::kGeared ? d.sea.k_p
+                                                        : d.stiffness;
+    const double stiffness = joint + d.parallel_stiffness - weight * lever;
+    if (!(stiffness > 0)) return kPendulumFrequency;
+    compliance += lever * lever / stiffness;
   }
-  return std::max(kSlow, std::sqrt(1 / (s.body.mass * compliance)));
+  return std::max(kPendulumFrequency, std::sqrt(1 / (s.body.mass * compliance)));
 }
 
-inline constexpr double kGains = 0.1;  ///< of gravity's part along the slope
+inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
-/// True where the run may end in the state y; see above.
+/// Whether the run may end in the state y by the rule above.
 template <class System>
 bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square) {
   for (int i = 0; i < s.body.joints; ++i)
@@ -89,7 +90,7 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   const double limit = per_square * peak_square;
   const bool free = s.body.base == Base::kFree;
   auto p = s.pose(y);
-  const double slide = p.vx;
+  const double sliding_speed = p.vx;
   if (free) p.vx = 0;
   double energy = kinetic_energy(s.body, p);
   for (int i = 0; i < s.body.joints; ++i)
@@ -99,26 +100,26 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
 
   auto still = y;
   for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
-  if (free) still[System::kVx] = slide;
-  std::optional<System> stuck;  // what dry friction holds is in balance
-  if (s.rubs) stuck.emplace(s), stuck->stand_still(t, still);
-  const System& standing = stuck ? *stuck : s;
-  const double soft = softest(s);
-  bool downhill = false;  // a free robot that slides down the slope and still gains speed
-  const auto unheld = [&] {
-    const auto dy = standing.derivative(t, still);
+  if (free) still[System::kVx] = sliding_speed;
+  std::optional<System> sticking;  // dry friction balances what it can hold
+  if (s.has_friction) sticking.emplace(s), sticking->stick_where_possible(t, still);
+  const System& at_standstill = sticking ? *sticking : s;
+  const double frequency = softest_frequency(s);
+  bool downhill = false;  // a free robot slides down the slope and gains speed
+  const auto unbalanced_energy = [&] {
+    const auto dy = at_standstill.derivative(t, still);
     const auto acc = s.accelerations_of(dy);
     p.vx = free ? 0 : acc.x, p.vy = acc.y;
-    downhill = free && acc.x * s.gravity[0] > kGains * s.gravity[0] * s.gravity[0];
+    downhill = free && acc.x * s.gravity[0] > kDownhillShare * s.gravity[0] * s.gravity[0];
     for (int j = 0; j < s.body.bodies; ++j) p.omega[j] = acc.alpha[j];
     double out = kinetic_energy(s.body, p);
     for (int i = 0; i < s.body.joints; ++i)
       out += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
-    return out / (soft * soft);
+    return out / (frequency * frequency);
   };
-  energy += unheld();
-  if constexpr (System::kWork > System::kLag)  // what is still on its way in a drive that is late
-    s.settle_lags(t, still), energy += unheld();
+  energy += unbalanced_energy();
+  if constexpr (System::kWork > System::kLag)  // torques still on their way in late drives
+    s.settle_lags(t, still), energy += unbalanced_energy();
   if (downhill || !(energy <= limit)) return false;
   if (!free) return true;
   const auto at = s.pose(y);

@@ -8,10 +8,10 @@ namespace ukemi::landing {
 
 BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, double rate) {
   scene.validate(), validate(scene.robot, motion), options.validate();
-  constexpr double kMostRows = 2e6, kLongest = 30;  // [s]
-  if (!(rate >= 0 && rate * scene.t_end.value_or(kLongest) <= kMostRows))
+  constexpr double kMaxRows = 2e6, kMaxDuration = 30;  // [s]
+  if (!(rate >= 0 && rate * scene.t_end.value_or(kMaxDuration) <= kMaxRows))
     throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows in the " +
-                     shortest(scene.t_end.value_or(kLongest)) + " s that a run may last; [run] t_end bounds it");
+                     shortest(scene.t_end.value_or(kMaxDuration)) + " s that a run may last; [run] t_end bounds it");
   BodyLanding out;
   in_kernel<kLate, kAny>(scene.robot, [&]<Capacity kSize>() {
     BodyFollower<integrate::DormandPrince853, kSize, true>(scene, motion, options, out, rate).follow();

@@ -22,7 +22,7 @@ namespace ukemi::landing {
 
 namespace {
 
-constexpr double kLatest = 0.1;  ///< detection [s]
+constexpr double kMaxDelay = 0.1;  ///< detection [s]
 
 void read_floor(TomlFile& file, BodyScene& scene, ContactLaw& law) {
   auto floor = file.optional("floor");
@@ -56,17 +56,17 @@ void read_drop(TomlSection& s, const Robot& robot, Drop& drop) {
 }
 
 /// [low, high] of phi_deg.
-std::optional<std::array<double, 2>> rising_angles(TomlSection& s) {
+std::optional<std::array<double, 2>> angle_range(TomlSection& s) {
   const auto phi = s.optional_angle_pair("phi");
   if (phi && !((*phi)[0] < (*phi)[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
   return phi;
 }
 
-/// f(table, index) for each joint of Robot::joints that has a table in `s`; it must be driven. The only driven joint
-/// may do without a table of its own: `s` is then its table, where it has an angle.
+/// Calls f(table, index) for each of Robot::joints with a table in `s`; it must be driven. A single driven joint needs
+/// no table of its own: `s` is then its table, if it has an angle.
 template <class F>
-void for_driven(TomlSection& s, const Robot& robot, F&& f) {
-  const std::optional<std::size_t> only = only_driven(robot);
+void for_each_driven(TomlSection& s, const Robot& robot, F&& f) {
+  const std::optional<std::size_t> only = sole_driven_joint(robot);
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
     auto section = s.optional_section(joint.name);
@@ -83,47 +83,47 @@ void read_search(TomlSection& s, const Robot& robot, BodyScene& scene) {
     if (!((*d)[0] < (*d)[1])) s.fail("duration", "the range is empty: [low, high] with low < high is needed");
     scene.duration = {(*d)[0], (*d)[1]};
   }
-  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
+  for_each_driven(s, robot, [&](TomlSection& section, std::size_t i) {
     JointSearch& search = scene.search[i];
-    if (const auto phi = rising_angles(section)) search.phi = *phi;
+    if (const auto phi = angle_range(section)) search.phi = *phi;
     search.hold = section.optional_angle("hold");
   });
 }
 
-/// [release] from, [release.JOINT] phi_deg, rate_deg: every driven joint is needed.
+/// Reads [release] from, [release.JOINT] phi_deg, rate_deg; every driven joint needs its table.
 void read_release(TomlSection& s, const Robot& robot, BodyScene& scene) {
   BodyRelease release{.joints = std::vector<BodyRelease::Joint>(robot.joints.size())};
   release.from = s.optional_number("from", Range::non_negative()).value_or(0);
-  std::vector<bool> there(robot.joints.size(), false);
-  for_driven(s, robot, [&](TomlSection& section, std::size_t i) {
+  std::vector<bool> present(robot.joints.size(), false);
+  for_each_driven(s, robot, [&](TomlSection& section, std::size_t i) {
     release.joints[i] = {section.angle("phi"), section.optional_rate("rate").value_or(0)};
-    there[i] = true;
+    present[i] = true;
   });
-  for (std::size_t i = 0; i < there.size(); ++i)
-    if (robot.joints[i].driven() && !there[i])
+  for (std::size_t i = 0; i < present.size(); ++i)
+    if (robot.joints[i].driven() && !present[i])
       s.fail(robot.joints[i].name,
              fmt::format("a table [release.{}] is needed: the joint is driven", robot.joints[i].name));
   scene.release = release;
 }
 
-/// [joint.JOINT] phi_deg: its stops.
+/// Reads [joint.JOINT] phi_deg, the stops of joints, as limits.
 std::vector<Load> read_stops(TomlFile& file, const Robot& robot) {
   std::vector<Load> out;
   if (auto stops = file.optional("joint"))
-    for_driven(*stops, robot, [&](TomlSection& section, std::size_t i) {
-      if (const auto phi = rising_angles(section)) out.push_back(limit(robot, Load::Kind::kAngle, i, 0, *phi));
+    for_each_driven(*stops, robot, [&](TomlSection& section, std::size_t i) {
+      if (const auto phi = angle_range(section)) out.push_back(limit(robot, Load::Kind::kAngle, i, 0, *phi));
     });
   return out;
 }
 
-/// Of contacts that say nothing, where there is no floor.
+/// Default law of contacts without [floor].
 constexpr ContactLaw kNoFloor{.stiffness = 1};
 
-/// What a file is read for: a landing, whose drop it has or not, or a robot that is driven.
-enum class For { kLanding, kDrop, kDriven };
+/// Use of a file: a landing with the file's drop, a landing with another drop, or trials.
+enum class Use { kLanding, kDrop, kDriven };
 
-/// Of [identified] how well a fit knew the robot's constants: a landing's; a gain of the command relative to what it
-/// is. Constants of drives that are given are not the robot's.
+/// From [identified] the covariance of the robot's constants that matter in landings; torque gains relative to their
+/// values. Drives given on the command line are excluded.
 std::optional<Uncertainty> read_identified_errors(TomlSection& known, const CommandPath& commands, const Robot& robot,
                                                   const std::vector<GivenDrive>& drives) {
   if (!known.has("order")) return std::nullopt;
@@ -150,7 +150,7 @@ std::optional<Uncertainty> read_identified_errors(TomlSection& known, const Comm
   return out;
 }
 
-/// Of [identified] how far a fit trusted each constant; what else is in it is not a landing's.
+/// From [identified] the verdict of the fit on each constant; other keys are ignored.
 Verdicts read_identified_verdicts(TomlFile& file) {
   Verdicts out;
   auto known = file.optional("identified");
@@ -164,17 +164,17 @@ Verdicts read_identified_verdicts(TomlFile& file) {
   return out;
 }
 
-BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, For what, const Texts& texts = {}) {
+BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, Use use, const Texts& texts = {}) {
   TomlFile file = open_edited(path, texts);
   BodyScene out;
   out.name = std::filesystem::path(path).stem().string();
   ContactLaw law = kNoFloor;
   read_floor(file, out, law);
   CommandPath commands;
-  Verdicts of_robot;
-  const auto of_its_fit = [&](TomlFile& of) {
-    of_robot = read_identified_verdicts(of);
-    if (auto known = of.optional("identified"); known && what != For::kDriven)
+  Verdicts robot_verdicts;
+  const auto read_fit = [&](TomlFile& of) {
+    robot_verdicts = read_identified_verdicts(of);
+    if (auto known = of.optional("identified"); known && use != Use::kDriven)
       out.identified = read_identified_errors(*known, commands, out.robot, drives);
   };
   if (const auto name = file.optional_text("robot")) {
@@ -182,17 +182,17 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
     TomlFile other = open_edited(out.robot_file, texts);
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
-    of_its_fit(other);
+    read_fit(other);
     other.finish();
   } else {
     read_robot_tables(file, nullptr, law, drives, out);
     commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
-    of_its_fit(file);
+    read_fit(file);
   }
-  if (what != For::kDriven) stand_on_contacts(path, what == For::kDrop ? Contacts::kAll : Contacts::kAllOrNone, out);
-  if (what != For::kDriven) apply(commands, out.robot);
+  if (use != Use::kDriven) enable_floor(path, use == Use::kDrop ? Contacts::kAll : Contacts::kAllOrNone, out);
+  if (use != Use::kDriven) apply(commands, out.robot);
   out.search.resize(out.robot.joints.size());
-  if (auto drop = what == For::kLanding ? file.require("drop") : file.optional("drop"))
+  if (auto drop = use == Use::kLanding ? file.require("drop") : file.optional("drop"))
     read_drop(*drop, out.robot, out.drop);
   if (auto search = file.optional("search")) read_search(*search, out.robot, out);
   if (auto release = file.optional("release")) read_release(*release, out.robot, out);
@@ -205,13 +205,13 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, F
   const std::vector<std::string> constants = floor_constant_names(out.robot);
   if (auto known = file.optional("uncertainty")) out.uncertainty = read_uncertainty(*known, constants, "the scene");
   out.verdicts = read_verdicts(file, constants);
-  out.robot_verdicts = std::move(of_robot);
+  out.robot_verdicts = std::move(robot_verdicts);
   if (auto execution = file.optional("execution")) out.execution = read_execution(*execution);
   if (auto run = file.optional("run")) out.t_end = run->optional_number("t_end", Range::positive());
   if (auto detection = file.optional("detection")) {
     out.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);
-    if (out.detection_delay > kLatest)
-      detection->fail("delay", shortest(out.detection_delay) + " s: at most " + shortest(kLatest) + " s is needed");
+    if (out.detection_delay > kMaxDelay)
+      detection->fail("delay", shortest(out.detection_delay) + " s: at most " + shortest(kMaxDelay) + " s is needed");
   }
   file.finish();
   out.validate();
@@ -253,7 +253,7 @@ void BodyScene::validate() const {
   for (const JointSearch& s : search) rising("search.phi", s.phi), check_finite("search.hold", s.held());
   check_not_negative("execution.phi", execution.phi), check_not_negative("execution.duration", execution.duration);
   if (scatter) scatter->validate();
-  check_count("freedom.bumps", freedom.bumps, 0, kMostBumps), rising("freedom.bump", freedom.bump);
+  check_count("freedom.bumps", freedom.bumps, 0, kMaxBumps), rising("freedom.bump", freedom.bump);
   if (freedom.gains) rising("freedom.gains", *freedom.gains), check_not_negative("freedom.gains", (*freedom.gains)[0]);
   rising("duration", duration), check_positive("duration", duration[0]);
 }
@@ -325,19 +325,19 @@ bool is_of_links(const std::string& path) {
 }
 
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives) {
-  return read(path, drives, For::kLanding);
+  return read(path, drives, Use::kLanding);
 }
 BodyScene read_robot(const std::string& path, const std::vector<GivenDrive>& drives) {
-  return read(path, drives, For::kDriven);
+  return read(path, drives, Use::kDriven);
 }
 BodyScene read_dropped(const std::string& path, double height, const std::vector<GivenDrive>& drives) {
   return read_edited(path, drives, height, {});
 }
-BodyScene read_edited_robot(const std::string& path, const Texts& texts) { return read(path, {}, For::kDriven, texts); }
+BodyScene read_edited_robot(const std::string& path, const Texts& texts) { return read(path, {}, Use::kDriven, texts); }
 BodyScene read_edited(const std::string& path, const std::vector<GivenDrive>& drives,
                       const std::optional<double>& height, const Texts& texts) {
-  if (!height) return read(path, drives, For::kLanding, texts);
-  BodyScene out = read(path, drives, For::kDrop, texts);
+  if (!height) return read(path, drives, Use::kLanding, texts);
+  BodyScene out = read(path, drives, Use::kDrop, texts);
   if (out.robot.base == Base::kPinned) throw InputError(Location{path}, "a pinned robot is not dropped");
   out.drop.height = *height, out.floor = true;
   out.validate();

@@ -1,5 +1,5 @@
 // A robot on the floor as a hybrid system, one smooth mode at a time. State: base, angles, motor angles, their rates,
-// then the slip z of each contact, the states of DriveLag of each joint where a drive is late; with kAccounts the work
+// then the slip z of each contact, the states of DriveLag of each joint if a drive is late, and with kAccounts the work
 // of joints, floor and rail on the links, for the energy check. Heights are distances from the floor along its normal;
 // on a slope the frame is the floor's, and gravity is turned.
 #pragma once
@@ -21,7 +21,7 @@ struct BodyMode {
   int rail_slip = 0;  ///< as JointMode::slip
 };
 
-/// The mode of a system in a scalar: one for a double and all its derivatives; lanes of it in landing/lanes.
+/// The mode of a system by scalar: BodyMode, but for packs a mode per lane (landing/lanes).
 template <Capacity kSize, class T>
 struct BodyModeOf {
   using type = BodyMode<kSize>;
@@ -37,12 +37,12 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kC };
   static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
-  /// Guards: of each contact, then of each joint; where there is dry friction (`guards_used`) of each of its places.
-  enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kOfContact };
-  enum { kUpper, kLower, kOfJoint };
+  /// Guards of each contact, of each joint, and, if there is dry friction (`guards_used`), of each place of it.
+  enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kGuardsPerContact };
+  enum { kUpper, kLower, kGuardsPerJoint };
   using Friction = BodyFriction<BodySystem, kJ, T>;
-  static constexpr int kJointGuards = kOfContact * kC, kFrictionGuards = kJointGuards + kOfJoint * kJ,
-                       kGuards = kFrictionGuards + Friction::kOfPlace * Friction::kPlaces, kControlled = kWork;
+  static constexpr int kJointGuards = kGuardsPerContact * kC, kFrictionGuards = kJointGuards + kGuardsPerJoint * kJ,
+                       kGuards = kFrictionGuards + Friction::kGuardsPerPlace * Friction::kPlaces, kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
@@ -53,7 +53,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   using GuardValues = integrate::Guards<kGuards, Value>;
   static constexpr SeaTerms kSea{true, true}, kPlainSea{true, false};
 
-  BodySystem() = default;  ///< of no robot: lanes take theirs one by one
+  BodySystem() = default;  ///< without a robot: lanes are set one by one
   BodySystem(const Robot& robot, double slope)
       : links(int(robot.links.size())), body(body_of<kSize>(robot).template cast<T>()) {
     gravity = {T(-std::sin(slope) * robot.gravity), T(-std::cos(slope) * robot.gravity)};
@@ -62,50 +62,52 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     rail_viscous = T(robot.rail_viscous), rail_friction = T(robot.rail_friction);
     rail_load_friction = T(robot.rail_load_friction);
     for (int i = 0; i < body.contacts; ++i) point[i] = ContactConstants<T>(robot.contacts[i]);
-    for_each_end(robot, [&, i = body.stops_begin](const Stop& s, int) mutable { point[i++] = ContactConstants<T>(s); });
+    for_each_stop_end(robot,
+                      [&, i = body.stops_begin](const Stop& s, int) mutable { point[i++] = ContactConstants<T>(s); });
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
       drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
                   T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest), is_extended(j.sea)};
     }
-    find_rubbing();
+    find_dry_friction();
   }
-  /// Where there is dry friction, or derivatives by it are needed.
-  void find_rubbing() {
-    rail_rubs = body.base == Base::kRail && any(present(rail_friction) | present(rail_load_friction));
-    rubs = rail_rubs;
+  /// Sets `has_friction`: where there is dry friction, or derivatives by it.
+  void find_dry_friction() {
+    rail_has_friction = body.base == Base::kRail && any(present(rail_friction) | present(rail_load_friction));
+    has_friction = rail_has_friction;
     for (int i = 0; i < body.joints; ++i) {
       const SeaParameters<T>& sea = drive[i].sea;
-      const bool own = any(present(sea.friction) | present(sea.spring_loss)),
+      const bool motor = any(present(sea.friction) | present(sea.spring_loss)),
                  elastic = drive[i].kind == DriveKind::kElastic;
-      drive[i].rubs = {elastic ? any(present(sea.output_friction)) : own, elastic && own};
-      rubs = rubs || drive[i].rubs[kOutputSide] || drive[i].rubs[kMotorSide];
+      drive[i].has_friction = {elastic ? any(present(sea.output_friction)) : motor, elastic && motor};
+      has_friction = has_friction || drive[i].has_friction[kOutputSide] || drive[i].has_friction[kMotorSide];
     }
   }
 
   /// The same system in the same mode, without the derivatives of `o`.
   template <bool kOther, class U>
   explicit BodySystem(const BodySystem<kSize, kOther, U>& o) {
-    take_structure(o);
-    for_each(*this, o, kWithout);
-    follow(o);
+    copy_structure(o);
+    for_each(*this, o, kCopyValue);
+    copy_mode(o);
   }
-  /// What is no number of T, of `o`.
+  /// Copies everything that is not a number of T.
   template <bool kOther, class U>
-  void take_structure(const BodySystem<kSize, kOther, U>& o) {
-    links = o.links, rubs = o.rubs, rail_rubs = o.rail_rubs, body.take_structure(o.body);
-    for (std::size_t i = 0; i < point.size(); ++i) point[i].take_structure(o.point[i]);
-    for (std::size_t i = 0; i < drive.size(); ++i) drive[i].take_structure(o.drive[i]);
+  void copy_structure(const BodySystem<kSize, kOther, U>& o) {
+    links = o.links, has_friction = o.has_friction, rail_has_friction = o.rail_has_friction,
+    body.copy_structure(o.body);
+    for (std::size_t i = 0; i < point.size(); ++i) point[i].copy_structure(o.point[i]);
+    for (std::size_t i = 0; i < drive.size(); ++i) drive[i].copy_structure(o.drive[i]);
   }
-  /// Whether `o` differs in numbers alone.
+  /// Whether `o` differs only in numbers of T.
   template <class Other>
   bool same_structure(const Other& o) const {
-    bool same = body.same_structure(o.body) && links == o.links && rail_rubs == o.rail_rubs;
+    bool same = body.same_structure(o.body) && links == o.links && rail_has_friction == o.rail_has_friction;
     for (std::size_t i = 0; i < point.size(); ++i) same = same && point[i].same_structure(o.point[i]);
     for (std::size_t i = 0; i < drive.size(); ++i) same = same && drive[i].same_structure(o.drive[i]);
     return same;
   }
-  /// f(a's, b's) of every number that stays through a landing.
+  /// Calls f(number of a, same number of b) for every number that is constant during a landing.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     Body<T, kSize>::for_each(a.body, b.body, f);
@@ -115,32 +117,32 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     for (std::size_t i = 0; i < a.point.size(); ++i) ContactConstants<T>::for_each(a.point[i], b.point[i], f);
     for (std::size_t i = 0; i < a.drive.size(); ++i) JointConstants<T>::for_each(a.drive[i], b.drive[i], f);
   }
-  /// Of those that change with the mode: references and gains.
+  /// The same for the numbers that change with the mode: references and gains.
   template <class A, class B, class F>
-  static void for_each_played(A& a, const B& b, F&& f) {
+  static void for_each_scheduled(A& a, const B& b, F&& f) {
     for (std::size_t i = 0; i < a.piece.size(); ++i) {
       ReferencePiece<T>::for_each(a.piece[i], b.piece[i], f);
       f(a.drive[i].sea.k_p, b.drive[i].sea.k_p), f(a.drive[i].sea.k_d, b.drive[i].sea.k_d);
     }
   }
-  /// Into the mode of `o`, its references and its gains.
+  /// Copies the mode of `o`, its references and its gains.
   template <bool kOther, class U>
-  void follow(const BodySystem<kSize, kOther, U>& o) {
+  void copy_mode(const BodySystem<kSize, kOther, U>& o) {
     static_cast<Mode&>(*this) = o;
-    for_each_played(*this, o, kWithout);
+    for_each_scheduled(*this, o, kCopyValue);
   }
 
-  int links = 0;                         ///< of the robot; locked ones share a body
-  bool rubs = false, rail_rubs = false;  ///< dry friction acts somewhere; along the rail
+  int links = 0;                                         ///< of the robot; links joined by locked joints share a body
+  bool has_friction = false, rail_has_friction = false;  ///< dry friction anywhere; along the rail
   Body<T, kSize> body;
   std::array<T, 2> gravity{};  ///< in the floor's frame
   T rail_viscous{0}, rail_friction{0}, rail_load_friction{0};
-  std::array<T, 2> base{};  ///< of a rail, where s = 0; of a pin
+  std::array<T, 2> base{};  ///< of a rail the origin, s = 0; of a pin its place
   std::array<ContactConstants<T>, kC> point{};
   std::array<JointConstants<T>, kJ> drive{};
   std::array<ReferencePiece<T>, kJ> piece{};
 
-  /// The sines and cosines of the last angles are remembered: the field, the guards and the peak ask in turn.
+  /// The sines and cosines of the last angles are cached: field, guards and peak use the same state.
   Pose pose(const State& y) const {
     Pose p;
     if (body.base == Base::kFree) {
@@ -149,7 +151,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       const T &ex = body.rail[0], &ey = body.rail[1];
       p.x = base[0] + y[kX] * ex, p.y = base[1] + y[kX] * ey, p.vx = y[kVx] * ex, p.vy = y[kVx] * ey;
     }
-    turn(y);
+    update_sin_cos(y);
     p.sin = sin_, p.cos = cos_;
     for (int j = 0; j < body.bodies; ++j) p.omega[j] = y[kOmega + j];
     return p;
@@ -157,7 +159,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
 
   /// Joint angle and rate, and those of the motor.
   SeaState<T> joint_state(int i, const State& y) const {
-    const JointPlace& at = body.joint[i];
+    const TreeJoint& at = body.joint[i];
     const T phi = y[kTheta + at.child] + T(at.offset), rate = y[kOmega + at.child];
     if (at.parent < 0) return {phi, y[kPhiM + i], rate, y[kOmegaM + i]};
     return {phi - y[kTheta + at.parent], y[kPhiM + i], rate - y[kOmega + at.parent], y[kOmegaM + i]};
@@ -167,17 +169,16 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   Reference<T> reference(int i, const Time& t) const {
     const ReferencePiece<T>& r = piece[i];
     const auto& phase = joint[i].phase;
-    const T held = select(after(phase), r.b, r.a);
-    if (!any(moving(phase))) return {held, T(0)};
+    const T constant = select(after(phase), r.b, r.a);
+    if (!any(moving(phase))) return {constant, T(0)};
     const Reference<T> played = r.at(T(t), true);
-    return {select(moving(phase), played.phi, held), masked(moving(phase), played.dphi)};
+    return {select(moving(phase), played.phi, constant), masked(moving(phase), played.dphi)};
   }
 
-  /// x = y, without y's derivatives.
-  static constexpr auto kWithout = [](T& x, const auto& y) { x = T(value_of(y)); };
+  /// x = y without the derivatives of y.
+  static constexpr auto kCopyValue = [](T& x, const auto& y) { x = T(value_of(y)); };
 
-  /// Of joint i on its child [Nm]; of a motor behind a spring, its acceleration in `motor`, and in `dy` the rates of a
-  /// drive that is late.
+  /// Torque of joint i on its child [Nm]; of an elastic drive also the motor's acceleration and, in `dy`, lag rates.
   template <class Time>
   T torque(int i, const Time& t, const State& y, T* motor = nullptr, State* dy = nullptr) const {
     const JointConstants<T>& d = drive[i];
@@ -187,72 +188,72 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       return elastic_motor_torque(i, t, y, s, dy);
     });
   }
-  /// Of all joints, what holds them at rest taken from it [Nm].
+  /// Torques of all joints on their children, less the reactions of sticking friction [Nm].
   template <class Time>
   std::array<T, kJ> torques(const Time& t, const State& y) const {
     std::array<T, kJ> out{};
     for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
-    if (!rubs || !any(this->some_stuck())) return out;
+    if (!has_friction || !any(this->any_stuck())) return out;
     const PlaceHolds hold = holds(t, y);
     for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
     return out;
   }
-  /// Of the motor of an elastic drive, as late as the drive is [Nm].
+  /// Torque of the motor of an elastic drive, delayed if the drive is late [Nm].
   template <class Time>
   UKEMI_INLINE T elastic_motor_torque(int i, const Time& t, const State& y, const SeaState<T>& s,
                                       [[maybe_unused]] State* dy = nullptr) const {
     if constexpr (kSize.late) {
       const auto x = y.template segment<kLags>(kLag + kLags * i);
       const DriveLag<T> lag(drive[i].sea);
-      const T ask = asked_of(i, t, lag.seen(s, x));
-      if (dy) dy->template segment<kLags>(kLag + kLags * i) = lag.derivative(ask, s, x);
-      return lag.torque(ask, x);
+      const T requested = requested_torque(i, t, lag.filtered(s, x));
+      if (dy) dy->template segment<kLags>(kLag + kLags * i) = lag.derivative(requested, s, x);
+      return lag.torque(requested, x);
     } else {
-      return asked_of(i, t, s);
+      return requested_torque(i, t, s);
     }
   }
-  /// Eq. 3 of what an elastic drive sees [Nm].
+  /// Eq. 3 for the state that an elastic drive measures [Nm].
   template <class Time>
-  UKEMI_INLINE T asked_of(int i, const Time& t, const SeaState<T>& s) const {
+  UKEMI_INLINE T requested_torque(int i, const Time& t, const SeaState<T>& s) const {
     const JointConstants<T>& d = drive[i];
     return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
                       : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
   }
-  /// Sets drives that are late as if the rates of y, and what is asked for at time t, had been constant for ever.
+  /// Sets the states of late drives as if the rates of y and the torque requested at t had always been constant.
   template <class Time>
   void settle_lags(const Time& t, State& y) const {
     if constexpr (kSize.late)
       for (int i = 0; i < body.joints; ++i) {
         if (drive[i].kind != DriveKind::kElastic) continue;
         const SeaState<T> s = joint_state(i, y);
-        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(asked_of(i, t, s), s);
+        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(requested_torque(i, t, s), s);
       }
   }
-  /// The same of a motor whose torque is asked() [Nm].
-  template <class Asked>
-  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Asked&& asked) const {
+  /// The torque of joint i on its child, its motor's torque being requested() [Nm]; `motor`: as in torque().
+  template <class Requested>
+  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Requested&& requested) const {
     const JointConstants<T>& d = drive[i];
     T out = -d.parallel_stiffness * (s.phi - d.parallel_rest), tau(0);
     if (d.kind == DriveKind::kElastic) {
       tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
       if (d.extended) {
         out += output_torque<kSea>(d.sea, s.dphi, tau);
-        if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, asked(), tau);
-        if (motor && d.rubs[kMotorSide])
+        if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, requested(), tau);
+        if (motor && d.has_friction[kMotorSide])
           *motor = masked(!stuck(i, kMotorSide), T(*motor - coulomb(i, kMotorSide, s.dphi_m, tau)));
       } else {
         out += tau;
-        if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, asked(), tau);
+        if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, requested(), tau);
       }
       if (motor) *motor = *motor / d.sea.i_motor;
     } else if (d.kind == DriveKind::kGeared) {
-      tau = asked();
+      tau = requested();
       out += tau;
       if (d.extended) out -= d.sea.viscous * s.dphi;
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
-    if (d.rubs[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
+    if (d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
     return out;
   }
   template <class Time>
@@ -261,7 +262,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     return drive[i].sea.k_p * (r.phi - s.phi) + drive[i].sea.k_d * (r.dphi - s.dphi);
   }
 
-  /// Height, speed and acceleration of a contact over and along the floor; accelerations where `acc` is given.
+  /// Height, velocity and acceleration of a contact normal to and (_t) along the floor; accelerations only with `acc`.
   struct Point {
     T y, v, a, v_t, a_t;
   };
@@ -275,25 +276,25 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   }
   bool is_stop(int i) const { return i >= body.stops_begin; }
   bool has_stops() const { return body.stops_end > body.stops_begin; }
-  /// The way left to an end of a stop, as a height.
+  /// The remaining travel to an end of a stop, as a height.
   Point stop_at(int i, const Pose& p, const State& y, const Accelerations* acc = nullptr) const {
-    const StopPlace<T>& s = body.stop[i];
+    const TreeStop<T>& s = body.stop[i];
     const T inwards(s.inwards);
     const auto along = [&](const T& a, const T& b) { return a * body.rail[0] + b * body.rail[1]; };
     if (s.joint < 0)
       return {inwards * (along(p.x, p.y) - s.end), inwards * along(p.vx, p.vy),
               acc ? inwards * along(acc->x, acc->y) : T(0), T(0), T(0)};
     const SeaState<T> q = joint_state(s.joint, y);
-    const JointPlace& at = body.joint[s.joint];
+    const TreeJoint& at = body.joint[s.joint];
     Point out{inwards * (q.phi - s.end), inwards * q.dphi, T(0), T(0), T(0)};
     if (acc) out.a = inwards * (acc->alpha[at.child] - (at.parent < 0 ? T(0) : acc->alpha[at.parent]));
     return out;
   }
-  /// Loads the links with what the stops push with; adds their power.
-  [[gnu::noinline]] void push_stops(const Pose& p, const State& y, TreeLoads<T, kB>& load, T& power) const {
+  /// Adds the forces of the stops to the loads, and their power.
+  [[gnu::noinline]] void add_stop_forces(const Pose& p, const State& y, TreeLoads<T, kB>& load, T& power) const {
     for (int i = body.stops_begin; i < body.stops_end; ++i) {
       if (!any(contact[i].touching)) continue;
-      const StopPlace<T>& s = body.stop[i];
+      const TreeStop<T>& s = body.stop[i];
       const Point at = stop_at(i, p, y);
       const T normal = normal_force(point[i], contact[i], at.y, at.v, T(0)).value, f = T(s.inwards) * normal;
       power += normal * at.v;
@@ -305,10 +306,12 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       if (body.joint[s.joint].parent >= 0) load.torque[body.joint[s.joint].parent] -= f;
     }
   }
-  /// K_t z + C_t v.
-  T held(int i, const State& y, const Point& at) const { return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t; }
+  /// K_t z + C_t v, -F_t of a contact that sticks [N].
+  T sticking_force(int i, const State& y, const Point& at) const {
+    return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t;
+  }
 
-  /// dz of a contact that is pulled by -along.
+  /// dz of a contact on which the tangential force -along acts.
   T slip_rate(int i, const State& y, const T& v_t, const T& along) const {
     const auto& m = contact[i];
     if (!(any(slides_forward(m)) || any(slides_back(m)))) return masked(m.touching, v_t);
@@ -325,11 +328,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     if constexpr (kSize.late) dy.template segment<kLags * kJ>(kLag).setConstant(T(0));
     derivative_under(y, dy, [&](int i, T* motor) UKEMI_INLINE_LAMBDA { return torque(i, t, y, motor, &dy); });
   }
-  /// Where joint i turns its child with torque_of(i, motor), and push(load, pose) adds to what acts on the links. What
-  /// `still` says is held, where it is given; else what the mode says.
+  /// The derivative with joint torques torque_of(i, motor) and loads added by push(load, pose). Sticking constraints
+  /// are those of `stick` if given, else those of the mode.
   template <class Torque, class Push = NoPush>
   UKEMI_INLINE void derivative_under(const State& y, State& dy, Torque&& torque_of, Push&& push = {},
-                                     HeldStill<T, kSize>* still = nullptr) const {
+                                     StickConstraints<T, kSize>* stick = nullptr) const {
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
@@ -339,13 +342,13 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
       const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value,
-              along = masked(m.touching, tangential_force(point[i], m, held(i, y, at), normal));
+              along = masked(m.touching, tangential_force(point[i], m, sticking_force(i, y, at), normal));
       load.add(body.contact[i], p, body.bodies, -along, normal);
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
-      if (point[i].rubs || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
+      if (point[i].has_friction || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
     if (has_stops()) [[unlikely]]
-      push_stops(p, y, load, power);
+      add_stop_forces(p, y, load, power);
     push(load, p);
     for (int i = 0; i < kJ; ++i) dy[kPhiM + i] = y[kOmegaM + i], dy[kOmegaM + i] = T(0);
     for (int i = 0; i < body.joints; ++i) {
@@ -357,8 +360,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       dy[kOmegaM + i] = motor;
     }
     T along_rail(0);
-    const Accelerations acc =
-        rubs && !still ? held_accelerations(p, load, y, along_rail) : accelerations(p, load, y, along_rail, still);
+    const Accelerations acc = has_friction && !stick ? accelerations_with_sticking(p, load, y, along_rail)
+                                                     : accelerations(p, load, y, along_rail, stick);
     if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
     if (body.base == Base::kFree)
@@ -376,37 +379,37 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     derivative(t, y, dy);
     return dy;
   }
-  /// In the mode, where there is dry friction.
-  [[gnu::noinline]] Accelerations held_accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y,
-                                                     T& along_rail) const {
-    HeldStill<T, kSize> still = held_still();
-    return accelerations(p, load, y, along_rail, any(still.some()) ? &still : nullptr);
+  /// Accelerations with the sticking constraints of the mode.
+  [[gnu::noinline]] Accelerations accelerations_with_sticking(const Pose& p, const TreeLoads<T, kB>& load,
+                                                              const State& y, T& along_rail) const {
+    StickConstraints<T, kSize> stick = stick_constraints();
+    return accelerations(p, load, y, along_rail, any(stick.any_held()) ? &stick : nullptr);
   }
-  /// `along_rail`: becomes the rail's force in its direction [N]: viscous, and where it slips dry friction
-  /// F = -(F_c + mu |N|) sgn v. N is the force across the rail, on which F acts in turn: both are solved for.
+  /// `along_rail` is set to the rail's force along itself [N]: viscous friction and, where it slips, dry friction
+  /// F = -(F_c + mu |N|) sgn v. N, the force across the rail, depends on F: both are solved for.
   Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail,
-                              HeldStill<T, kSize>* still = nullptr) const {
-    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), still);
+                              StickConstraints<T, kSize>* stick = nullptr) const {
+    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), stick);
     along_rail = -rail_viscous * y[kVx];
-    if (!rail_rubs) return solve(body, p, load, gravity, along_rail, still);
+    if (!rail_has_friction) return solve(body, p, load, gravity, along_rail, stick);
     const T sign = direction_of<T>(rail_slip);
     along_rail -= rail_friction * sign;
-    const Accelerations without = solve(body, p, load, gravity, along_rail, still);
+    const Accelerations without = solve(body, p, load, gravity, along_rail, stick);
     if (!any(present(rail_load_friction))) return without;
-    const T n = across_rail(p, load, without),
-            per_force = across_rail(p, load, solve(body, p, load, gravity, T(along_rail + T(1)), still)) - n;
-    const T mu = rail_load_friction * sign, up = select(n < T(0), T(-n), n),
-            turned = select(n < T(0), T(-per_force), per_force), resists = T(1) + mu * turned;
-    constexpr double kJammed = 0.1;  // of `resists`: a rail that jams is not modelled
-    along_rail -= mu * up / select(resists > T(kJammed), resists, T(kJammed));
-    if (still) still->across_rail = n;  // of what is held, on which no friction acts
-    return solve(body, p, load, gravity, along_rail, still);
+    const T n = rail_normal_force(p, load, without),
+            per_force = rail_normal_force(p, load, solve(body, p, load, gravity, T(along_rail + T(1)), stick)) - n;
+    const T mu = rail_load_friction * sign, magnitude = select(n < T(0), T(-n), n),
+            slope = select(n < T(0), T(-per_force), per_force), denominator = T(1) + mu * slope;
+    constexpr double kJammed = 0.1;  // lower bound of the denominator: a jamming rail is not modelled
+    along_rail -= mu * magnitude / select(denominator > T(kJammed), denominator, T(kJammed));
+    if (stick) stick->rail_normal_force = n;  // for the friction limit of a stuck rail
+    return solve(body, p, load, gravity, along_rail, stick);
   }
-  /// The rail's force across its direction, on the robot, left of it [N].
-  T across_rail(const Pose& p, const TreeLoads<T, kB>& load, const Accelerations& acc) const {
-    Accelerations turning = acc;
-    turning.x = body.mass * acc.x, turning.y = body.mass * acc.y;
-    const auto momentum = acceleration(body.moment, p, turning, body.bodies);  // its rate [N]
+  /// Force of the rail on the robot across its direction, positive to the left [N].
+  T rail_normal_force(const Pose& p, const TreeLoads<T, kB>& load, const Accelerations& acc) const {
+    Accelerations scaled = acc;
+    scaled.x = body.mass * acc.x, scaled.y = body.mass * acc.y;
+    const auto momentum = acceleration(body.moment, p, scaled, body.bodies);  // its time derivative [N]
     const T fx = momentum[0] - load.x - body.mass * gravity[0], fy = momentum[1] - load.y - body.mass * gravity[1];
     return body.rail[0] * fy - body.rail[1] * fx;
   }
@@ -428,12 +431,12 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       out -= x_of(body.moment, p, j) * gravity[0] - y_of(body.moment, p, j) * gravity[1];
     return out;
   }
-  /// |acceleration|^2 of the point that counts.
+  /// |acceleration|^2 of the peak point [m^2/s^4].
   T peak_square(const State& y, const State& dy) const {
     return acceleration(body.peak, pose(y), accelerations_of(dy), body.bodies).squaredNorm();
   }
 
-  /// In doubles, with the derivatives of their values, or in lanes.
+  /// All guards; G: doubles, scalars with derivatives, or lanes.
   template <class Time, class G>
   void guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     out = {};
@@ -441,20 +444,20 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const Accelerations acc = accelerations_of(dy);
     contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
-    if (rubs) [[unlikely]]
+    if (has_friction) [[unlikely]]
       this->friction_guards(kFrictionGuards, t, y, dy, out);
   }
-  int guards_used() const { return rubs ? kGuards : kFrictionGuards; }
+  int guards_used() const { return has_friction ? kGuards : kFrictionGuards; }
   template <class G>
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
     for (int i = 0; i < body.contacts; ++i) {
       if constexpr (!kIsPack<T>)
-        if (!contact[i].touching) {  // its acceleration has no say
+        if (!contact[i].touching) {  // its guard needs no acceleration
           surface_guard(i, point_at(i, p), out);
           continue;
         }
-      guards_of(i, point_at(i, p, &acc), y, dy, out);
+      point_guards(i, point_at(i, p, &acc), y, dy, out);
     }
     if (has_stops()) [[unlikely]]
       stop_guards(p, acc, y, dy, out);
@@ -462,42 +465,42 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   template <class G>
   [[gnu::noinline]] void stop_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                                      integrate::Guards<kGuards, G>& out) const {
-    for (int i = body.stops_begin; i < body.stops_end; ++i) guards_of(i, stop_at(i, p, y, &acc), y, dy, out);
+    for (int i = body.stops_begin; i < body.stops_end; ++i) point_guards(i, stop_at(i, p, y, &acc), y, dy, out);
   }
   template <class G>
   void surface_guard(int i, const Point& at, integrate::Guards<kGuards, G>& out) const {
-    const auto down = contact[i].touching;
+    const auto touching = contact[i].touching;
     const G height = narrowed<G>(T(at.y - point[i].thickness)), speed = narrowed<G>(at.v);
-    out.set(kOfContact * i + kSurface, select(down, G(-height), height), select(down, G(-speed), speed));
+    out.set(kGuardsPerContact * i + kSurface, select(touching, G(-height), height), select(touching, G(-speed), speed));
   }
-  /// Of a contact where it is.
+  /// Guards of a contact at its present height.
   template <class G>
-  void guards_of(int i, const Point& at, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
+  void point_guards(int i, const Point& at, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     const ContactConstants<T>& x = point[i];
     const auto& m = contact[i];
-    const int first = kOfContact * i;
-    // `holds`: the value is positive while it does.
+    const int first = kGuardsPerContact * i;
+    // `holds`: whether `value` is positive in the mode.
     const auto set = [&](int guard, const auto& holds, const T& value, const T& rate, const auto& active) {
       const G v = narrowed<G>(value), r = narrowed<G>(rate);
       out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
     surface_guard(i, at, out);
-    const auto down = m.touching;
-    if (!any(down)) return;
+    const auto touching = m.touching;
+    if (!any(touching)) return;
     const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
     if (x.padded) {
-      set(kPadForce, m.pad, pad.value, pad.rate, down);
-      set(kBottom, !m.below, at.y, at.v, down);
+      set(kPadForce, m.pad, pad.value, pad.rate, touching);
+      set(kBottom, !m.below, at.y, at.v, touching);
     }
     if (!(x.hunt_crossley && !any(x.dissipation != T(0)))) set(kFloorForce, m.floor, floor.value, floor.rate, m.below);
-    if (!x.rubs) return;
+    if (!x.has_friction) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
-    const T f = held(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
-    const T most = x.mu * normal.value + T(kCling), d_most = x.mu * normal.rate;
+    const T f = sticking_force(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
+    const T limit = x.mu * normal.value + T(kStickTolerance), d_limit = x.mu * normal.rate;
     const auto forward = slides_forward(m), back = slides_back(m);
-    const auto sticks = down & !forward & !back;
-    set(kSlideUp, sticks, T(most - select(back, T(-f), f)), T(d_most - select(back, T(-df), df)), down);
-    set(kSlideDown, sticks, T(most + f), T(d_most + df), sticks);
+    const auto sticks = touching & !forward & !back;
+    set(kSlideUp, sticks, T(limit - select(back, T(-f), f)), T(d_limit - select(back, T(-df), df)), touching);
+    set(kSlideDown, sticks, T(limit + f), T(d_limit + df), sticks);
   }
   template <class Time, class G>
   void joint_guards(int i, const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
@@ -507,22 +510,22 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const auto limited = (limit > Value(0)) & (limit < Value(std::numeric_limits<double>::infinity()));
     if (!any(limited)) return;
     const SeaState<T> s = joint_state(i, y);
-    const JointPlace& at = body.joint[i];
+    const TreeJoint& at = body.joint[i];
     const T ddphi = dy[kOmega + at.child] - (at.parent < 0 ? T(0) : T(dy[kOmega + at.parent]));
     T tau, rate;
     if (d.kind == DriveKind::kElastic) {
       tau = spring_torque<kSea>(d.sea, s);
       rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
-      constexpr double kStep = 1e-7;  // the reference's own acceleration, by a difference [s]
+      constexpr double kStep = 1e-7;  // for the reference's acceleration by a difference [s]
       const Reference<T> r = reference(i, t), next = reference(i, t + Time(kStep));
       tau = geared_torque(i, t, s);
       rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((next.dphi - r.dphi) / T(kStep) - ddphi);
     }
-    const int first = kJointGuards + kOfJoint * i;
+    const int first = kJointGuards + kGuardsPerJoint * i;
     const auto upper = at_upper(joint[i].saturation), lower = at_lower(joint[i].saturation);
-    const auto set = [&](int guard, const auto& holds, const T& value, const T& its_rate, const auto& active) {
-      const G v = narrowed<G>(value), r = narrowed<G>(its_rate);
+    const auto set = [&](int guard, const auto& holds, const T& value, const T& value_rate, const auto& active) {
+      const G v = narrowed<G>(value), r = narrowed<G>(value_rate);
       out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
     };
     set(kUpper, upper, T(tau - d.sea.tau_max), rate, limited & !lower);
@@ -531,31 +534,30 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
 
   // Dry friction, see dry_friction.hpp.
 
-  /// Of a side of joint i that carries tau [Nm], and its asymmetry. A motor that turns with its joint has its own
-  /// there.
+  /// Mean dry friction of a side of joint i at torque tau [Nm], and its asymmetry. A geared motor's is on the output.
   T mean_friction(int i, Side side, const T& tau) const {
     const JointConstants<T>& d = drive[i];
     if (side == kOutputSide && d.kind == DriveKind::kElastic) return d.sea.output_friction;
-    return d.kind == DriveKind::kPassive ? d.sea.friction : loaded(d.sea.friction, d.sea.spring_loss, tau);
+    return d.kind == DriveKind::kPassive ? d.sea.friction : loaded_friction(d.sea.friction, d.sea.spring_loss, tau);
   }
   const T& asymmetry(int i, Side side) const {
     const bool output = side == kOutputSide && drive[i].kind == DriveKind::kElastic;
     return output ? drive[i].sea.output_friction_asymmetry : drive[i].sea.friction_asymmetry;
   }
-  /// What slips at the rate v is slowed by [Nm].
+  /// Dry friction on a side that slips at the rate v [Nm].
   T coulomb(int i, Side side, const T& v, const T& tau) const {
     return coulomb_torque(drive[i].sea, mean_friction(i, side, tau), asymmetry(i, side),
                           direction_of<T>(joint[i].slip[side]), v);
   }
   Lane stuck(int i, Side side) const { return Friction::stuck(kSides * i + side); }
-  /// What is stuck of joints and rail.
-  HeldStill<T, kSize> held_still() const {
-    HeldStill<T, kSize> out;
+  /// The constraints of the joints and the rail that stick in the mode.
+  StickConstraints<T, kSize> stick_constraints() const {
+    StickConstraints<T, kSize> out;
     for (int i = 0; i < body.joints; ++i) out.held[i] = stuck(i, kOutputSide);
-    out.held[HeldStill<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
+    out.held[StickConstraints<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
     return out;
   }
-  /// What moves each place that is stuck, and what holds it.
+  /// Driving torque and friction limits of each place that sticks.
   template <class Time>
   PlaceHolds holds(const Time& t, const State& y) const {
     return holds_under(
@@ -565,46 +567,45 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
           return limited_torque<kSea>(drive[i].sea, geared_torque(i, t, s), joint[i].saturation);
         });
   }
-  /// The same under joints' torques and pushes as of derivative_under, where the motor of joint i is driven by
-  /// driving(i, state) [Nm].
-  template <class Torque, class Driving, class Push = NoPush>
-  PlaceHolds holds_under(const State& y, Torque&& torque_of, Driving&& driving, Push&& push = {}) const {
+  /// The same with joint torques and loads as in derivative_under and the motor torques motor_torque_of(i, state) [Nm].
+  template <class Torque, class MotorTorque, class Push = NoPush>
+  PlaceHolds holds_under(const State& y, Torque&& torque_of, MotorTorque&& motor_torque_of, Push&& push = {}) const {
     State dy;
-    HeldStill<T, kSize> still = held_still();
-    derivative_under(y, dy, torque_of, push, &still);
+    StickConstraints<T, kSize> stick = stick_constraints();
+    derivative_under(y, dy, torque_of, push, &stick);
     PlaceHolds out;
     for (int i = 0; i < body.joints; ++i) {
       const JointConstants<T>& d = drive[i];
       const SeaState<T> s = joint_state(i, y);
       const bool elastic = d.kind == DriveKind::kElastic;
-      const T driven = d.kind == DriveKind::kPassive ? T(0) : T(driving(i, s));
-      const T tau = elastic ? limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation) : driven;
-      const auto hold = [&](Side side, const T& moved_by) {
-        out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), moved_by);
+      const T motor = d.kind == DriveKind::kPassive ? T(0) : T(motor_torque_of(i, s));
+      const T tau = elastic ? limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation) : motor;
+      const auto hold = [&](Side side, const T& driving_torque) {
+        out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), driving_torque);
       };
-      if (d.rubs[kOutputSide]) hold(kOutputSide, still.needed[i]);
-      if (d.rubs[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, driven, tau));
+      if (d.has_friction[kOutputSide]) hold(kOutputSide, stick.reaction[i]);
+      if (d.has_friction[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, motor, tau));
     }
     Hold<T>& rail = out[Friction::kRailPlace];
-    rail.torque = still.needed[HeldStill<T, kSize>::kRail];
-    const T& across = still.across_rail;
-    rail.up = rail.down = rail_friction + rail_load_friction * select(across < T(0), T(-across), across);
+    rail.torque = stick.reaction[StickConstraints<T, kSize>::kRail];
+    const T& n = stick.rail_normal_force;
+    rail.up = rail.down = rail_friction + rail_load_friction * select(n < T(0), T(-n), n);
     return out;
   }
-  /// Into the mode beyond the zero of a guard. Returns the contact that touches the floor there, or -1.
+  /// Changes the mode at the zero of a guard. Returns the contact that touches down, or -1.
   int cross(int guard, State& y) {
     if (guard >= kFrictionGuards) {
       this->cross_friction(guard - kFrictionGuards, y);
       return -1;
     }
     if (guard >= kJointGuards) {
-      int& saturation = joint[(guard - kJointGuards) / kOfJoint].saturation;
-      saturation = saturation ? 0 : (guard - kJointGuards) % kOfJoint == kUpper ? 1 : -1;
+      int& saturation = joint[(guard - kJointGuards) / kGuardsPerJoint].saturation;
+      saturation = saturation ? 0 : (guard - kJointGuards) % kGuardsPerJoint == kUpper ? 1 : -1;
       return -1;
     }
-    const int i = guard / kOfContact;
+    const int i = guard / kGuardsPerContact;
     PointMode& m = contact[i];
-    switch (guard % kOfContact) {
+    switch (guard % kGuardsPerContact) {
       case kSurface:
         m = m.touching
                 ? PointMode{}
@@ -622,24 +623,25 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
         m.floor = !m.floor;
         break;
       default:
-        m.slides = m.slides != 0 ? 0 : guard % kOfContact == kSlideUp ? 1 : -1;
+        m.slides = m.slides != 0 ? 0 : guard % kGuardsPerContact == kSlideUp ? 1 : -1;
         return -1;
     }
     settle_friction(i, y);
-    return guard % kOfContact == kSurface && m.touching && !is_stop(i) ? i : -1;
+    return guard % kGuardsPerContact == kSurface && m.touching && !is_stop(i) ? i : -1;
   }
-  /// The mode of friction where the normal force may have jumped.
+  /// Sets the friction mode of a contact, where the normal force may have jumped.
   void settle_friction(int i, const State& y) {
     PointMode& m = contact[i];
     m.slides = 0;
-    if (!m.touching || !point[i].rubs) return;
+    if (!m.touching || !point[i].has_friction) return;
     const Point at = point_at(i, pose(y));
-    const double f = value_of(held(i, y, at)),
-                 most = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value) + kCling;
-    m.slides = f > most ? 1 : f < -most ? -1 : 0;
+    const double f = value_of(sticking_force(i, y, at)),
+                 limit = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value) +
+                         kStickTolerance;
+    m.slides = f > limit ? 1 : f < -limit ? -1 : 0;
   }
 
-  /// Sizes below which a component need not be relatively exact.
+  /// Scale of a component for the absolute part of the error tolerance.
   double tolerance_unit(int i) const {
     constexpr double kRate = 10, kLength = 0.3;
     if (i >= kLag) return lag_unit((i - kLag) / kLags, (i - kLag) % kLags == int(DriveLag<T>::kRate));
@@ -649,7 +651,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   }
 
  private:
-  UKEMI_INLINE void turn(const State& y) const {
+  UKEMI_INLINE void update_sin_cos(const State& y) const {
     if constexpr (kDerivatives<T> == 0) {  // angles that compare equal may still differ in their derivatives
       auto moved = y[kTheta] != theta_[0];
       for (int j = 1; j < body.bodies; ++j) moved = moved | (y[kTheta + j] != theta_[j]);
@@ -662,7 +664,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       sin_[j] = pair[0].sin, cos_[j] = pair[0].cos, sin_[k] = pair[1].sin, cos_[k] = pair[1].cos;
     }
   }
-  /// Of a lag's rate; of its torques what Eq. 3 makes of a tenth of a radian and of 10 rad/s.
+  /// Scale of a state of DriveLag: of a rate 10 rad/s, of a torque that of Eq. 3 for 0.1 rad and 1 rad/s.
   double lag_unit(int i, bool rate) const {
     constexpr double kRate = 10;
     if constexpr (kSize.late)

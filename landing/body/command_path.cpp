@@ -34,22 +34,22 @@ CommandPath read_command_path(TomlFile& file, const Robot& robot) {
       out.joints[i].torque_high = robot.joints[i].sea.tau_max, out.joints[i].torque_low = -robot.joints[i].sea.tau_max;
   auto s = file.optional("command");
   if (!s) return out;
-  const Range late{0, kMostCommandDelay, false, fmt::format("from 0 to {:g} s", kMostCommandDelay)},
-      below{-std::numeric_limits<double>::max(), 0, false, "at most 0"};
+  const Range delay_range{0, kMaxCommandDelay, false, fmt::format("from 0 to {:g} s", kMaxCommandDelay)},
+      non_positive{-std::numeric_limits<double>::max(), 0, false, "at most 0"};
   const auto range = [&](const Key& k) {
     if (k.at == &CommandPath::Joint::offset) return Range::any();
-    return k.at == &CommandPath::Joint::torque_low ? below : Range::positive();
+    return k.at == &CommandPath::Joint::torque_low ? non_positive : Range::positive();
   };
-  out.delay = s->optional_number("delay", late).value_or(0);
-  out.rows = int(s->optional_count("rows", 0, kMostCommandRows).value_or(0));
+  out.delay = s->optional_number("delay", delay_range).value_or(0);
+  out.rows = int(s->optional_count("rows", 0, kMaxCommandRows).value_or(0));
   for (std::size_t i = 0; i < robot.joints.size(); ++i) {
     const Joint& joint = robot.joints[i];
-    auto own = s->optional_section(joint.name);
-    if (!own) continue;
+    auto table = s->optional_section(joint.name);
+    if (!table) continue;
     if (!joint.driven())
       s->fail(joint.name, std::string("the joint is ") + name(joint.kind) + ": a joint that is driven is needed");
     for (const Key& k : kKeys)
-      if (const auto v = own->optional_number(k.key, range(k))) out.joints[i].*k.at = *v;
+      if (const auto v = table->optional_number(k.key, range(k))) out.joints[i].*k.at = *v;
   }
   return out;
 }

@@ -8,7 +8,7 @@
 //                 a spring and a damper in series with Coulomb's slider; sticking, dz = v
 //
 // The inequalities are the mode of a point, held between events. Friction sticks where |K_t z + C_t v| < mu F_n and
-// slides in the direction s where s (K_t z + C_t v) > mu F_n: a function of the state, whatever came before.
+// slides in the direction s where s (K_t z + C_t v) > mu F_n: a function of the state alone.
 #pragma once
 
 #include <cmath>
@@ -18,11 +18,11 @@
 
 namespace ukemi::landing {
 
-/// Friction sticks up to so much beyond mu F_n [N]: what no landing feels decides where both sides are rounding, as at
-/// a touchdown straight down under Hunt and Crossley, whose F_n starts without a slope.
-inline constexpr double kCling = 1e-9;
+/// Friction sticks up to this much beyond mu F_n [N]: too small to matter, it decides where both sides are rounding
+/// errors, as at a vertical touchdown under Hunt and Crossley, whose F_n starts with slope 0.
+inline constexpr double kStickTolerance = 1e-9;
 
-/// What holds of a point between events.
+/// The mode of a contact point, constant between events.
 struct PointMode {
   bool touching = false;   ///< below its surface: the pad's, else y = 0
   bool pad = false;        ///< the pad pushes
@@ -39,21 +39,21 @@ template <class T>
 struct ContactConstants {
   T k, c, k_t, c_t, mu, p, dissipation;  ///< see ContactLaw
   T thickness, k_pad, c_pad;             ///< see Pad; 0: none
-  bool hunt_crossley = false, padded = false, rubs = false;
+  bool hunt_crossley = false, padded = false, has_friction = false;
 
-  /// f(a's, b's) of every constant.
+  /// Calls f(constant of a, same constant of b) for every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     f(a.k, b.k), f(a.c, b.c), f(a.k_t, b.k_t), f(a.c_t, b.c_t), f(a.mu, b.mu), f(a.p, b.p);
     f(a.dissipation, b.dissipation), f(a.thickness, b.thickness), f(a.k_pad, b.k_pad), f(a.c_pad, b.c_pad);
   }
   template <class Other>
-  void take_structure(const Other& o) {
-    hunt_crossley = o.hunt_crossley, padded = o.padded, rubs = o.rubs;
+  void copy_structure(const Other& o) {
+    hunt_crossley = o.hunt_crossley, padded = o.padded, has_friction = o.has_friction;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
-    return hunt_crossley == o.hunt_crossley && padded == o.padded && rubs == o.rubs;
+    return hunt_crossley == o.hunt_crossley && padded == o.padded && has_friction == o.has_friction;
   }
   ContactConstants() = default;
   explicit ContactConstants(const Stop& s) : ContactConstants(ContactPoint{.law = {s.stiffness, s.damping}}) {}
@@ -70,17 +70,17 @@ struct ContactConstants {
         c_pad(x.pad ? x.pad->damping : 0),
         hunt_crossley(x.law.hunt_crossley),
         padded(x.pad.has_value()),
-        rubs(std::isfinite(x.law.friction)) {}
+        has_friction(std::isfinite(x.law.friction)) {}
 };
 
-/// A value and its rate along the motion.
+/// A value and its time derivative along the motion.
 template <class T>
 struct WithRate {
   T value{0}, rate{0};
 };
 
-/// What the floor pushes with, were it to push, at height y, velocity v and acceleration a [N], [N/s]. In lanes the
-/// linear law alone.
+/// Normal force of the floor if it were active, and its rate, at height y, velocity v and acceleration a [N], [N/s].
+/// In lanes only the linear law.
 template <class T>
 WithRate<T> floor_force(const ContactConstants<T>& x, const T& y, const T& v, const T& a) {
   if constexpr (!kIsPack<T>) {
@@ -94,12 +94,12 @@ WithRate<T> floor_force(const ContactConstants<T>& x, const T& y, const T& v, co
   }
   return {-x.k * y - x.c * v, -x.k * v - x.c * a};
 }
-/// The same of the pad.
+/// Normal force of the pad if it were active, and its rate [N], [N/s].
 template <class T>
 WithRate<T> pad_force(const ContactConstants<T>& x, const T& y, const T& v, const T& a) {
   return {x.k_pad * (x.thickness - y) - x.c_pad * v, -x.k_pad * v - x.c_pad * a};
 }
-/// F_n in a mode.
+/// F_n and its rate in a mode [N], [N/s].
 template <class T, class Mode>
 WithRate<T> normal_force(const ContactConstants<T>& x, const Mode& m, const T& y, const T& v, const T& a) {
   WithRate<T> out;
@@ -110,12 +110,12 @@ WithRate<T> normal_force(const ContactConstants<T>& x, const Mode& m, const T& y
   if (any(m.pad)) add(m.pad, pad_force(x, y, v, a));
   return out;
 }
-/// -F_t and dz in a mode, of f = K_t z + C_t v.
+/// -F_t in a mode, from f = K_t z + C_t v [N].
 template <class T, class Mode>
 T tangential_force(const ContactConstants<T>& x, const Mode& m, const T& f, const T& normal) {
-  if (!x.rubs || !(any(slides_forward(m)) || any(slides_back(m)))) return f;
-  const T most = x.mu * normal;
-  return select(slides_forward(m), most, select(slides_back(m), T(-most), f));
+  if (!x.has_friction || !(any(slides_forward(m)) || any(slides_back(m)))) return f;
+  const T limit = x.mu * normal;
+  return select(slides_forward(m), limit, select(slides_back(m), T(-limit), f));
 }
 
 }  // namespace ukemi::landing

@@ -13,7 +13,7 @@
 //     P_jk = sum_i m_i (A_ij A_ik + B_ij B_ik),   Q_jk = sum_i m_i (A_ij B_ik - B_ij A_ik)    over the links i
 //
 // N: inertias about the centres of mass, and armatures. Free base: A and B count from the total centre of mass R, which
-// separates, R'' = sum F / m + g, and has no weight term. Rail: the base is R0 + s e, one more unknown s with
+// decouples, R'' = sum F / m + g, and has no weight term. Rail: the base is R0 + s e, one more unknown s with
 // M_ss = m, M_sj = sum_i m_i e.(Y_ij, X_ij), and the first body's angle stays. Pinned: the base is fixed.
 // Ours; test/legs/laws.cpp.
 #pragma once
@@ -28,17 +28,17 @@
 
 namespace ukemi::landing {
 
-/// How many of each a kernel is compiled for.
+/// Maximum sizes that a kernel is compiled for.
 struct Capacity {
   int bodies, joints, contacts;
-  bool exact = false;  ///< of robots of so many bodies and moving joints, no fewer: loops over them are unrolled
-  bool late = false;   ///< of robots with a drive that is late, see DriveLag
+  bool exact = false;  ///< bodies and moving joints are exactly so many: their loops are unrolled
+  bool late = false;   ///< for robots with a late drive, see DriveLag
 };
-/// The kernels that there are: exact ones of the paper's robot, of a double pendulum, of legs of two joints and
-/// of three; others by size.
+/// The compiled kernels: exact for the paper's robot, a double pendulum, legs of 2 and 3 joints; others by maximum
+/// size.
 inline constexpr Capacity kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true},
-    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMostLinks, kMostJoints, kMostContacts}, kLateLeg{3, 2, 4, false, true},
-    kLate{kMostLateLinks, kMostLateJoints, kMostLateContacts, false, true};
+    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
+    kLate{kMaxLateLinks, kMaxLateJoints, kMaxLateContacts, false, true};
 inline bool fits(const Robot& robot, const Capacity& c) {
   if (c.late != has_late_drive(robot)) return false;
   const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
@@ -46,11 +46,10 @@ inline bool fits(const Robot& robot, const Capacity& c) {
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
     return false;
   return robot.links.size() <= std::size_t(c.bodies) && robot.joints.size() <= std::size_t(c.joints) &&
-         pushing_points(robot) <= c.contacts;
+         contacts_and_stop_ends(robot) <= c.contacts;
 }
 
-/// Calls f with the first of the kernels that holds the robot, its template argument; the last holds all that come to
-/// it.
+/// Calls f<kernel>() with the first of the given kernels that fits the robot; the last is taken unchecked.
 template <Capacity kFirst, Capacity... kRest, class F>
 auto in_kernel(const Robot& robot, F&& f) {
   if constexpr (sizeof...(kRest) > 0)
@@ -58,58 +57,58 @@ auto in_kernel(const Robot& robot, F&& f) {
   return f.template operator()<kFirst>();
 }
 
-/// The same of the kernels that peaks and gradients have: those of CMakeLists.txt.
+/// Calls f<kernel>() with the first kernel of peaks and gradients that fits the robot; as listed in CMakeLists.txt.
 template <class F>
 auto in_landing_kernel(const Robot& robot, F&& f) {
   return in_kernel<kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
 }
 
-/// How many there are: known to the compiler where the kernel is exact.
-template <int kMost, bool kExact>
+/// A number of bodies or joints: a constant expression where the kernel is exact.
+template <int kMax, bool kExact>
 struct Count {
   int n = 0;
   operator int() const { return n; }
 };
-template <int kMost>
-struct Count<kMost, true> {
-  Count(int = kMost) {}
-  constexpr operator int() const { return kMost; }
+template <int kMax>
+struct Count<kMax, true> {
+  Count(int = kMax) {}
+  constexpr operator int() const { return kMax; }
 };
 
-/// Lever arms of a point by body.
+/// Lever arms of a point, for each body.
 template <class T, int kBodies>
 struct Arms {
   std::array<T, kBodies> a{}, b{};  ///< A, B [m]
 
-  /// f(a's, b's) of every number.
+  /// Calls f(number of x, same number of y) for every number.
   template <class A, class B, class F>
   static void for_each(A& x, const B& y, F&& f) {
     for (std::size_t j = 0; j < kBodies; ++j) f(x.a[j], y.a[j]), f(x.b[j], y.b[j]);
   }
 };
 
-/// A joint as the equations see it.
-struct JointPlace {
+/// A moving joint between two bodies.
+struct TreeJoint {
   int parent = -1, child = 0;  ///< bodies; parent -1: the ground
   double offset = 0;           ///< phi = theta_child - theta_parent + offset [rad]
   int joint = 0;               ///< of Robot::joints
 
-  bool operator==(const JointPlace&) const = default;
+  bool operator==(const TreeJoint&) const = default;
 };
 
-/// An end of a stop as the equations see it: a contact that pushes a joint or the rail, whose height is the way left.
+/// One end of a stop: a contact on a joint or the rail, whose height is the remaining travel.
 template <class T>
-struct StopPlace {
+struct TreeStop {
   int joint = -1;      ///< of Body::joint; -1: the rail
   double inwards = 1;  ///< 1: at the low end, -1: at the high one
   T end{0};            ///< [rad] or [m]
 
   template <class U>
-  void take_structure(const StopPlace<U>& o) {
+  void copy_structure(const TreeStop<U>& o) {
     joint = o.joint, inwards = o.inwards;
   }
   template <class U>
-  bool same_structure(const StopPlace<U>& o) const {
+  bool same_structure(const TreeStop<U>& o) const {
     return joint == o.joint && inwards == o.inwards;
   }
 };
@@ -119,23 +118,23 @@ struct Body {
   static constexpr int kBodies = kSize.bodies;
   Count<kBodies, kSize.exact> bodies;
   Count<kSize.joints, kSize.exact> joints;
-  int contacts = 0;                    ///< that may touch
-  int stops_begin = 0, stops_end = 0;  ///< ends of stops, by numbers behind those of the robot's contacts
+  int contacts = 0;                    ///< of the robot, without ends of stops
+  int stops_begin = 0, stops_end = 0;  ///< ends of stops, numbered after the contacts
   Base base = Base::kFree;
-  bool first_stays = false;  ///< the first body's angle: on a rail, or where its pin is locked
+  bool first_fixed = false;  ///< the first body's angle is constant: rail, or locked pin
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
   std::array<Arms<T, kBodies>, kSize.contacts> contact{};
-  std::array<StopPlace<T>, kSize.contacts> stop{};    ///< from stops_begin on
-  Arms<T, kBodies> peak{}, first{};                   ///< `first`: the origin of the first link
-  std::array<Arms<T, kBodies>, kMostLinks> origin{};  ///< of every link
-  Arms<T, kBodies> moment{};                          ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
+  std::array<TreeStop<T>, kSize.contacts> stop{};    ///< from stops_begin on
+  Arms<T, kBodies> peak{}, first{};                  ///< `first`: the origin of the first link
+  std::array<Arms<T, kBodies>, kMaxLinks> origin{};  ///< of every link
+  Arms<T, kBodies> moment{};                         ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
   T mass{0};
   std::array<T, 2> rail{T(0), T(1)};  ///< e
-  std::array<JointPlace, kSize.joints> joint{};
-  std::array<double, kMostLinks> offset{};  ///< theta of a link minus theta of its body [rad]
-  std::array<int, kMostLinks> body_of{};    ///< of a link
+  std::array<TreeJoint, kSize.joints> joint{};
+  std::array<double, kMaxLinks> offset{};  ///< theta of a link minus theta of its body [rad]
+  std::array<int, kMaxLinks> body_of{};    ///< of a link
 
-  /// f(a's, b's) of every number but those of `origin`, which only reports ask for.
+  /// Calls f(number of x, same number of y) for every number except those of `origin`, which only reports use.
   template <class A, class B, class F>
   static void for_each(A& x, const B& y, F&& f) {
     for (std::size_t j = 0; j < kBodies; ++j)
@@ -147,19 +146,19 @@ struct Body {
     for (std::size_t i = 0; i < x.stop.size(); ++i) f(x.stop[i].end, y.stop[i].end);
     f(x.mass, y.mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
   }
-  /// Takes the rest of another body: what is no number of T.
+  /// Copies everything that is not a number of T.
   template <class U>
-  void take_structure(const Body<U, kSize>& o) {
+  void copy_structure(const Body<U, kSize>& o) {
     bodies = {int(o.bodies)}, joints = {int(o.joints)}, contacts = o.contacts, base = o.base,
-    first_stays = o.first_stays;
+    first_fixed = o.first_fixed;
     stops_begin = o.stops_begin, stops_end = o.stops_end;
-    for (std::size_t i = 0; i < stop.size(); ++i) stop[i].take_structure(o.stop[i]);
+    for (std::size_t i = 0; i < stop.size(); ++i) stop[i].copy_structure(o.stop[i]);
     joint = o.joint, offset = o.offset, body_of = o.body_of;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
     bool same = bodies == o.bodies && joints == o.joints && contacts == o.contacts && base == o.base &&
-                first_stays == o.first_stays && joint == o.joint && body_of == o.body_of &&
+                first_fixed == o.first_fixed && joint == o.joint && body_of == o.body_of &&
                 stops_begin == o.stops_begin && stops_end == o.stops_end;
     for (std::size_t i = 0; i < stop.size(); ++i) same = same && stop[i].same_structure(o.stop[i]);
     return same;
@@ -168,7 +167,7 @@ struct Body {
   template <class U>
   Body<U, kSize> cast() const {
     Body<U, kSize> out;
-    out.take_structure(*this);
+    out.copy_structure(*this);
     const auto set = [](U& to, const T& from) { to = U(value_of(from)); };
     Body<U, kSize>::for_each(out, *this, set);
     for (std::size_t i = 0; i < origin.size(); ++i) Arms<U, kBodies>::for_each(out.origin[i], origin[i], set);
@@ -183,7 +182,7 @@ struct TreePose {
   std::array<T, kBodies> sin, cos, omega;
 };
 
-/// What the equations give.
+/// Solution of the equations of motion.
 template <class T, int kBodies>
 struct TreeAccelerations {
   T x{0}, y{0};  ///< of the base
@@ -221,7 +220,7 @@ Eigen::Matrix<T, 2, 1> acceleration(const Arms<T, kBodies>& r, const TreePose<T,
   return out;
 }
 
-/// Sums of forces and torques as the equations see them.
+/// Generalised forces: sums of forces and torques.
 template <class T, int kBodies>
 struct TreeLoads {
   T x{0}, y{0};
@@ -233,15 +232,15 @@ struct TreeLoads {
   }
 };
 
-/// A symmetric positive matrix, in its lower triangle.
-template <class T, int kMost>
+/// A symmetric positive definite matrix, stored in its lower triangle.
+template <class T, int kMax>
 struct Symmetric {
-  std::array<std::array<T, kMost>, kMost> m{};
+  std::array<std::array<T, kMax>, kMax> m{};
 
   /// M = L D L', in place.
   UKEMI_INLINE void factor(int n) {
     for (int j = 0; j < n; ++j) {
-      std::array<T, kMost> scaled{};
+      std::array<T, kMax> scaled{};
       for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
       const T inverse = T(1) / m[j][j];
       for (int i = j + 1; i < n; ++i) {
@@ -250,7 +249,7 @@ struct Symmetric {
       }
     }
   }
-  UKEMI_INLINE void solve(int n, std::array<T, kMost>& x) const {
+  UKEMI_INLINE void solve(int n, std::array<T, kMax>& x) const {
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
     for (int i = n; i-- > 0;) {
@@ -260,30 +259,30 @@ struct Symmetric {
   }
 };
 
-/// M of the angles, and of the rail's s behind them; a body that stays has the row of 1.
+/// M of the angles and, as last row, of the rail's s; a body with a constant angle has a row of the identity.
 template <class T, Capacity kSize>
 struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
-  static constexpr int kMost = kSize.bodies + 1;
-  using Symmetric<T, kMost>::m;
+  static constexpr int kMax = kSize.bodies + 1;
+  using Symmetric<T, kMax>::m;
 
-  MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
+  MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMax>& right) {
     const int n = b.bodies;
     for (int j = 0; j < n; ++j) {
       m[j][j] = b.n[j][j] + b.p[j][j];
       for (int k = 0; k < j; ++k) {
         const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
         m[j][k] = b.n[j][k] + b.p[j][k] * c + b.q[j][k] * s;
-        const T h = b.p[j][k] * s - b.q[j][k] * c;  // of omega_k^2 on j; on k it is the negative
+        const T h = b.p[j][k] * s - b.q[j][k] * c;  // coefficient of omega_k^2 in row j; in row k it is negative
         right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
       }
     }
     if (b.base == Base::kRail) add_rail(b, p, right);
-    if (!b.first_stays) return;
-    for (int j = 1; j < kMost; ++j) m[j][0] = T(0);
+    if (!b.first_fixed) return;
+    for (int j = 1; j < kMax; ++j) m[j][0] = T(0);
     m[0][0] = T(1), right[0] = T(0);
   }
   /// The row of s.
-  void add_rail(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMost>& right) {
+  void add_rail(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMax>& right) {
     const int n = b.bodies;
     const T &ex = b.rail[0], &ey = b.rail[1];
     m[n][n] = b.mass;
@@ -295,72 +294,71 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
   }
 };
 
-/// What dry friction holds still: joints, and behind them the way along the rail; and what each needs to stay so, taken
-/// from the torques and the force along the rail [Nm], [N].
+/// Constraints of sticking dry friction, for each joint and last for the rail, and their reactions, which are
+/// subtracted from the torques and the force along the rail [Nm], [N].
 template <class T, Capacity kSize>
-struct HeldStill {
-  static constexpr int kRail = kSize.joints, kMost = kRail + 1;
-  std::array<typename MaskOf<T>::type, kMost> held{};
-  std::array<T, kMost> needed{};
-  T across_rail{0};  ///< the rail's force across itself, where its friction follows that [N]
+struct StickConstraints {
+  static constexpr int kRail = kSize.joints, kMax = kRail + 1;
+  std::array<typename MaskOf<T>::type, kMax> held{};
+  std::array<T, kMax> reaction{};
+  T rail_normal_force{0};  ///< N on the rail, where its friction depends on N [N]
 
-  auto some() const {
+  auto any_held() const {
     auto out = held[0];
-    for (int i = 1; i < kMost; ++i) out = out | held[i];
+    for (int i = 1; i < kMax; ++i) out = out | held[i];
     return out;
   }
 
-  /// Solves for them, of the accelerations x without them, and takes them: with J the rates of what is held by those of
-  /// the state, J (x - M^-1 J' needed) = 0.
-  [[gnu::noinline]] void take(const Body<T, kSize>& b, const MassMatrix<T, kSize>& mass, int n,
-                              std::array<T, kSize.bodies + 1>& x) {
-    std::array<std::array<T, kSize.bodies + 1>, kMost> response{};  // columns of M^-1 J'
-    Symmetric<T, kMost> w;
-    for (int i = 0; i < kMost; ++i) {
-      needed[i] = T(0), w.m[i][i] = T(1);
+  /// Solves J (x - M^-1 J' reaction) = 0 with J the Jacobian of the constraints, and applies the reactions to x.
+  [[gnu::noinline]] void apply(const Body<T, kSize>& b, const MassMatrix<T, kSize>& mass, int n,
+                               std::array<T, kSize.bodies + 1>& x) {
+    std::array<std::array<T, kSize.bodies + 1>, kMax> response{};  // columns of M^-1 J'
+    Symmetric<T, kMax> w;
+    for (int i = 0; i < kMax; ++i) {
+      reaction[i] = T(0), w.m[i][i] = T(1);
       if (!any(held[i])) continue;
       add_unit(b, i, response[i]), mass.solve(n, response[i]);
-      needed[i] = masked(held[i], across(b, i, x));
+      reaction[i] = masked(held[i], constraint_rate(b, i, x));
       for (int k = 0; k <= i; ++k)
-        if (any(held[k])) w.m[i][k] = select(held[i] & held[k], across(b, k, response[i]), w.m[i][k]);
+        if (any(held[k])) w.m[i][k] = select(held[i] & held[k], constraint_rate(b, k, response[i]), w.m[i][k]);
     }
-    w.factor(kMost), w.solve(kMost, needed);
-    for (int i = 0; i < kMost; ++i) {
+    w.factor(kMax), w.solve(kMax, reaction);
+    for (int i = 0; i < kMax; ++i) {
       if (!any(held[i])) continue;
-      for (int j = 0; j < n; ++j) x[j] -= needed[i] * response[i][j];
+      for (int j = 0; j < n; ++j) x[j] -= reaction[i] * response[i][j];
     }
-    for (int i = 0; i < kMost; ++i) {  // exactly, from the base outwards
+    for (int i = 0; i < kMax; ++i) {  // exact zeros, from the base outwards
       T& rate = x[std::size_t(i == kRail ? int(b.bodies) : b.joint[i].child)];
       rate = select(held[i], T(i == kRail || parent(b, i) < 0 ? T(0) : x[std::size_t(parent(b, i))]), rate);
     }
   }
 
  private:
-  /// -1: one that does not turn.
+  /// Parent body of joint i; -1 if it does not turn.
   static int parent(const Body<T, kSize>& b, int i) {
     const int of = b.joint[i].parent;
-    return of == 0 && b.first_stays ? -1 : of;
+    return of == 0 && b.first_fixed ? -1 : of;
   }
   static void add_unit(const Body<T, kSize>& b, int i, std::array<T, kSize.bodies + 1>& x) {
     if (i == kRail) return void(x[std::size_t(int(b.bodies))] = T(1));
     x[std::size_t(b.joint[i].child)] = T(1);
     if (parent(b, i) >= 0) x[std::size_t(parent(b, i))] = T(-1);
   }
-  static T across(const Body<T, kSize>& b, int i, const std::array<T, kSize.bodies + 1>& x) {
+  static T constraint_rate(const Body<T, kSize>& b, int i, const std::array<T, kSize.bodies + 1>& x) {
     if (i == kRail) return x[std::size_t(int(b.bodies))];
     const T& child = x[std::size_t(b.joint[i].child)];
     return parent(b, i) < 0 ? child : T(child - x[std::size_t(parent(b, i))]);
   }
 };
 
-/// Eq. 1 for a tree: the accelerations under loads (torques of joints within) and gravity (gx, gy); what `still` holds
-/// keeps its rate.
+/// Eq. 1 for a tree: the accelerations under loads (joint torques included), gravity and a force along the rail; joints
+/// that `stick` holds keep their rates.
 template <class T, Capacity kSize>
 TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p,
                                          const TreeLoads<T, kSize.bodies>& load, const std::array<T, 2>& gravity,
-                                         const T& along_rail, HeldStill<T, kSize>* still = nullptr) {
+                                         const T& along_rail, StickConstraints<T, kSize>* stick = nullptr) {
   const T &gx = gravity[0], &gy = gravity[1];
-  std::array<T, MassMatrix<T, kSize>::kMost> right{};
+  std::array<T, MassMatrix<T, kSize>::kMax> right{};
   const int bodies = b.bodies;
   for (int j = 0; j < bodies; ++j) {
     right[j] = load.torque[j];
@@ -369,12 +367,12 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;
   if (b.base == Base::kRail) right[bodies] = b.rail[0] * fx + b.rail[1] * fy + along_rail;
   MassMatrix<T, kSize> mass(b, p, right);
-  if (b.base == Base::kRail)  // loops of a number that the compiler knows, where the kernel is exact
+  if (b.base == Base::kRail)  // separate calls: loop counts are constants in exact kernels
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
   else
     mass.factor(bodies), mass.solve(bodies, right);
-  if (still) [[unlikely]]
-    still->take(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
+  if (stick) [[unlikely]]
+    stick->apply(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
   if (b.base == Base::kFree)
@@ -408,7 +406,7 @@ Arms<T, kSize.bodies> shifted(const Body<T, kSize>& b, Arms<T, kSize.bodies> fro
   return from;
 }
 
-/// The equations' constants of a robot. Throws InputError where it has more of anything than the kernel.
+/// The constants of the equations of a robot, which must fit the kernel.
 template <Capacity kSize>
 Body<double, kSize> body_of(const Robot& robot) {
   using Arm = Arms<double, kSize.bodies>;
@@ -424,7 +422,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     const Joint* joint = robot.joint_of(i);
     const bool locked = joint && joint->kind == DriveKind::kLocked;
     if (i == 0) {
-      bodies = 1, out.first_stays = robot.base == Base::kRail || locked;
+      bodies = 1, out.first_fixed = robot.base == Base::kRail || locked;
     } else {
       origin[i] = shifted(origin[link.parent], link.parent, link.at);
       out.offset[i] = locked ? out.offset[link.parent] + joint->phi : 0;
@@ -438,7 +436,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     for (int j = 0; j < bodies; ++j)
       centre.a[j] += robot.links[i].mass * com[i].a[j], centre.b[j] += robot.links[i].mass * com[i].b[j];
   if (robot.base != Base::kFree) out.moment = centre;
-  const auto from_base = [&](Arm arm) {  // a free base is the centre of mass
+  const auto from_base = [&](Arm arm) {  // the base of a free robot is its centre of mass
     for (int j = 0; j < bodies && robot.base == Base::kFree; ++j)
       arm.a[j] -= centre.a[j] / out.mass, arm.b[j] -= centre.b[j] / out.mass;
     return arm;
@@ -455,7 +453,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     const Joint& joint = robot.joints[i];
     if (joint.kind == DriveKind::kLocked) continue;
     const int parent = robot.links[joint.child].parent, child = out.body_of[joint.child];
-    JointPlace& place = out.joint[joints++];
+    TreeJoint& place = out.joint[joints++];
     place = {parent < 0 ? -1 : out.body_of[parent], child, parent < 0 ? 0 : -out.offset[parent], int(i)};
     if (joint.kind != DriveKind::kGeared) continue;
     out.n[child][child] += joint.sea.i_motor;
@@ -467,7 +465,7 @@ Body<double, kSize> body_of(const Robot& robot) {
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
   out.stops_begin = out.stops_end = out.contacts;
-  for_each_end(robot, [&](const Stop& s, int end) {
+  for_each_stop_end(robot, [&](const Stop& s, int end) {
     const auto at = std::find_if(out.joint.begin(), out.joint.end(), [&](auto& j) { return j.joint == s.joint; });
     out.stop[std::size_t(out.stops_end++)] = {s.joint < 0 ? -1 : int(at - out.joint.begin()), end == 0 ? 1.0 : -1.0,
                                               s.ends[std::size_t(end)]};

@@ -26,9 +26,10 @@ std::vector<double*> floor_constants(BodyScene& scene, const std::string& name) 
   const std::size_t dot = name.find('.');
   const std::string key = dot == std::string::npos ? name : name.substr(dot + 1);
   for (ContactPoint& c : scene.robot.contacts) {
-    const bool meant = dot == std::string::npos ? std::find(c.own.begin(), c.own.end(), key) == c.own.end()
-                                                : name[0] == '*' || c.name == name.substr(0, dot);
-    if (double* const x = meant ? contact_constant(c, key) : nullptr) out.push_back(x);
+    const bool selected = dot == std::string::npos
+                              ? std::find(c.own_keys.begin(), c.own_keys.end(), key) == c.own_keys.end()
+                              : name[0] == '*' || c.name == name.substr(0, dot);
+    if (double* const x = selected ? contact_constant(c, key) : nullptr) out.push_back(x);
   }
   return out;
 }

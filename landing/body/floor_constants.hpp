@@ -1,5 +1,4 @@
-// The constants of a floor under a robot of links by their names, as calibrate fits them and a scene's [uncertainty]
-// and [verdict] know them.
+// The contact constants of a robot of links by name, for calibrate and a scene's [uncertainty] and [verdict].
 #pragma once
 
 #include <array>
@@ -38,13 +37,12 @@ inline constexpr auto kContactKeys = [] {
   for (const PadConstant& constant : kPadConstants) out[n++] = constant.key;
   return out;
 }();
-/// The number of a contact that a key stands for; null: no such key, or of a pad that there is not.
+/// The constant of a contact by its key; null for an unknown key, or for a pad's if there is no pad.
 double* contact_constant(ContactPoint& contact, const std::string& key);
 
-/// KEY: of every contact without a KEY of its own; CONTACT.KEY: of one; pitch. KEY is one of kContactKeys.
+/// All names: KEY (of every contact without its own), "pitch", CONTACT.KEY (of one contact); KEY of kContactKeys.
 std::vector<std::string> floor_constant_names(const Robot& robot);
-/// The numbers that a name, or *.KEY (of every contact), stands for, which live in the scene; none for a name that
-/// there is not, or pads that there are not.
+/// Pointers to the scene's numbers of a name, or of *.KEY (every contact); empty for unknown names and missing pads.
 std::vector<double*> floor_constants(BodyScene& scene, const std::string& name);
 
 }  // namespace ukemi::landing

@@ -1,4 +1,4 @@
-// A joint as the system sees it: its drive in a scalar, and what is held between events.
+// A joint of the hybrid system: the constants of its drive in a scalar, and its mode.
 #pragma once
 
 #include "common/sea.hpp"
@@ -7,7 +7,7 @@
 
 namespace ukemi::landing {
 
-/// The drive of a joint in its scalar.
+/// Constants of the drive of a joint.
 template <class T>
 struct JointConstants {
   DriveKind kind = DriveKind::kElastic;
@@ -15,18 +15,18 @@ struct JointConstants {
   T stiffness{0}, damping{0}, rest{0};  ///< passive
   T parallel_stiffness{0}, parallel_rest{0};
 
-  bool extended = false;            ///< it has friction, or a spring that stiffens
-  std::array<bool, kSides> rubs{};  ///< a side has dry friction, or derivatives by it are needed
+  bool extended = false;                    ///< friction, or a spring that stiffens
+  std::array<bool, kSides> has_friction{};  ///< by side: dry friction, or derivatives by it
 
   template <class Other>
-  void take_structure(const Other& o) {
-    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended, rubs = o.rubs;
+  void copy_structure(const Other& o) {
+    kind = o.kind, sea.feedback = o.sea.feedback, extended = o.extended, has_friction = o.has_friction;
   }
   template <class Other>
   bool same_structure(const Other& o) const {
-    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended && rubs == o.rubs;
+    return kind == o.kind && sea.feedback == o.sea.feedback && extended == o.extended && has_friction == o.has_friction;
   }
-  /// f(a's, b's) of every constant.
+  /// Calls f(constant of a, same constant of b) for every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     SeaParameters<T>::for_each(a.sea, b.sea, f);
@@ -36,8 +36,8 @@ struct JointConstants {
 };
 
 struct JointMode {
-  int saturation = 0;              ///< of the spring's torque, or of the geared motor's
-  std::array<int, kSides> slip{};  ///< of a side with dry friction: the sign of its motion, or 0 where it is stuck
+  int saturation = 0;              ///< of the spring's torque or the geared motor's: -1, 0, 1
+  std::array<int, kSides> slip{};  ///< by side with dry friction: sign of its rate; 0: it sticks
   Phase phase = Phase::kBefore;
 };
 

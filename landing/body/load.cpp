@@ -15,24 +15,24 @@ namespace ukemi::landing {
 namespace {
 
 using Kind = Load::Kind;
-enum class Of { kLink, kJoint, kContact };
-struct Named {
+enum class Part { kLink, kJoint, kContact };
+struct KindInfo {
   const char *name, *unit;
-  Of of;
+  Part part;
 };
-constexpr std::array<Named, 10> kKinds = {{{"acceleration", "m/s^2", Of::kLink},
-                                           {"torque", "Nm", Of::kJoint},
-                                           {"deflection", "rad", Of::kJoint},
-                                           {"motor_speed", "rad/s", Of::kJoint},
-                                           {"motor_torque", "Nm", Of::kJoint},
-                                           {"angle", "rad", Of::kJoint},
-                                           {"force", "N", Of::kContact},
-                                           {"impulse", "N s", Of::kContact},
-                                           {"touch", "1", Of::kContact},
-                                           {"reference_rate", "rad/s", Of::kJoint}}};
-const Named& named(Kind kind) { return kKinds[std::size_t(kind)]; }
+constexpr std::array<KindInfo, 10> kKinds = {{{"acceleration", "m/s^2", Part::kLink},
+                                              {"torque", "Nm", Part::kJoint},
+                                              {"deflection", "rad", Part::kJoint},
+                                              {"motor_speed", "rad/s", Part::kJoint},
+                                              {"motor_torque", "Nm", Part::kJoint},
+                                              {"angle", "rad", Part::kJoint},
+                                              {"force", "N", Part::kContact},
+                                              {"impulse", "N s", Part::kContact},
+                                              {"touch", "1", Part::kContact},
+                                              {"reference_rate", "rad/s", Part::kJoint}}};
+const KindInfo& info(Kind kind) { return kKinds[std::size_t(kind)]; }
 
-/// Why a joint has no such load; empty: it has.
+/// Why a joint cannot have a load of this kind; empty if it can.
 std::string fault(Kind kind, const Joint& j) {
   if (j.kind == DriveKind::kLocked) return "the joint is locked: it bears what is not computed";
   if (kind == Kind::kDeflection && j.kind != DriveKind::kElastic) return "a joint with an elastic drive is needed";
@@ -52,13 +52,13 @@ int index_of(TomlSection& s, const char* key, const Items& items) {
 }
 
 void read_place(TomlSection& s, const Robot& robot, const std::vector<Load>& stops, Load& out) {
-  const Of of = named(out.kind).of;
+  const Part part = info(out.kind).part;
   for (const auto& [key, where] :
-       {std::pair("link", Of::kLink), {"at", Of::kLink}, {"joint", Of::kJoint}, {"contact", Of::kContact}})
-    if (of != where && s.has(key)) s.fail(key, fmt::format("a load of the kind {} has none", name(out.kind)));
-  if (of == Of::kContact) {
+       {std::pair("link", Part::kLink), {"at", Part::kLink}, {"joint", Part::kJoint}, {"contact", Part::kContact}})
+    if (part != where && s.has(key)) s.fail(key, fmt::format("a load of the kind {} has none", name(out.kind)));
+  if (part == Part::kContact) {
     out.index = index_of(s, "contact", robot.contacts);
-  } else if (of == Of::kLink) {
+  } else if (part == Part::kLink) {
     out.index = index_of(s, "link", robot.links);
     if (const auto at = s.optional_numbers("at", 2, Range::any()))
       out.at = {(*at)[0], (*at)[1]};
@@ -74,16 +74,16 @@ void read_place(TomlSection& s, const Robot& robot, const std::vector<Load>& sto
     return;
   }
   const auto phi = s.optional_angle_pair("phi");
-  const auto own = std::find_if(stops.begin(), stops.end(), [&](const Load& l) { return l.index == out.index; });
-  if (!phi && own == stops.end()) s.fail("phi_deg", "[low, high] is needed where the joint has no stops in [joint]");
-  out.phi = phi ? *phi : own->phi;
+  const auto stop = std::find_if(stops.begin(), stops.end(), [&](const Load& l) { return l.index == out.index; });
+  if (!phi && stop == stops.end()) s.fail("phi_deg", "[low, high] is needed where the joint has no stops in [joint]");
+  out.phi = phi ? *phi : stop->phi;
   if (!(out.phi[0] < out.phi[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
 }
 
 }  // namespace
 
-const char* name(Kind kind) { return named(kind).name; }
-const char* unit(Kind kind) { return named(kind).unit; }
+const char* name(Kind kind) { return info(kind).name; }
+const char* unit(Kind kind) { return info(kind).unit; }
 std::string words(Kind kind) {
   std::string out = name(kind);
   std::replace(out.begin(), out.end(), '_', ' ');
@@ -92,24 +92,24 @@ std::string words(Kind kind) {
 
 std::string place_of(const Load& l, const Robot& robot) {
   const auto k = std::size_t(l.index);
-  switch (named(l.kind).of) {
-    case Of::kLink:
+  switch (info(l.kind).part) {
+    case Part::kLink:
       return fmt::format("{} [{:.4g}, {:.4g}]", robot.links[k].name, l.at.along, l.at.across);
-    case Of::kJoint:
+    case Part::kJoint:
       return robot.joints[k].name;
-    case Of::kContact:
+    case Part::kContact:
       return robot.contacts[k].name;
   }
   return "";
 }
 
-/// Whether loads of this kind are limits alone: no amount that a plan makes small by degrees.
-bool only_limit(Kind k) { return k == Kind::kTouch || k == Kind::kReferenceRate; }
+/// Whether loads of this kind can only be limits: their values are not minimised.
+static bool is_limit_only(Kind k) { return k == Kind::kTouch || k == Kind::kReferenceRate; }
 
 std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vector<Load>& stops) {
   std::vector<Load> out = stops;
   std::vector<std::string> kinds;
-  for (const Named& k : kKinds) kinds.push_back(k.name);
+  for (const KindInfo& k : kKinds) kinds.push_back(k.name);
   for (TomlSection& s : file.sections("load")) {
     Load l;
     l.name = s.text("name");
@@ -121,9 +121,9 @@ std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vect
     if (at == kinds.end()) s.fail("kind", one_of(kind, kinds));
     l.kind = Kind(at - kinds.begin());
     read_place(s, robot, stops, l);
-    const bool touch = l.kind == Kind::kTouch, only = only_limit(l.kind);
-    l.limit = s.optional_flag("limit").value_or(only);
-    if (only && !l.limit)
+    const bool touch = l.kind == Kind::kTouch, limit_only = is_limit_only(l.kind);
+    l.limit = s.optional_flag("limit").value_or(limit_only);
+    if (limit_only && !l.limit)
       s.fail("limit", fmt::format("a {} is no amount that a plan makes small: true is needed", words(l.kind)));
     const Range range = l.limit ? Range::non_negative() : Range::positive();
     l.rating = touch ? s.optional_number("rating", range).value_or(0) : s.number("rating", range);
@@ -139,22 +139,22 @@ Load limit(const Robot& robot, Kind kind, std::size_t index, double rating, cons
   return out;
 }
 void set_limit(BodyScene& scene, const Load& limit) {
-  const auto own =
+  const auto found =
       std::find_if(scene.loads.begin(), scene.loads.end(), [&](const Load& l) { return l.name == limit.name; });
-  if (own == scene.loads.end())
+  if (found == scene.loads.end())
     scene.loads.push_back(limit);
   else
-    *own = limit;
+    *found = limit;
 }
 
 void check(const Load& l, const Robot& robot) {
   const std::string what = "load " + ukemi::quoted(l.name) + ": ";
-  const Of of = named(l.kind).of;
-  const std::size_t most = of == Of::kLink    ? robot.links.size()
-                           : of == Of::kJoint ? robot.joints.size()
-                                              : robot.contacts.size();
-  if (l.index < 0 || std::size_t(l.index) >= most) throw InputError(what + "it acts on nothing that the robot has");
-  if (of == Of::kJoint)
+  const Part part = info(l.kind).part;
+  const std::size_t count = part == Part::kLink    ? robot.links.size()
+                            : part == Part::kJoint ? robot.joints.size()
+                                                   : robot.contacts.size();
+  if (l.index < 0 || std::size_t(l.index) >= count) throw InputError(what + "it acts on nothing that the robot has");
+  if (part == Part::kJoint)
     if (const std::string why = fault(l.kind, robot.joints[std::size_t(l.index)]); !why.empty())
       throw InputError(what + why);
   if (l.limit)
@@ -166,16 +166,16 @@ void check(const Load& l, const Robot& robot) {
 
 bool observed(const BodyScene& scene) {
   return std::any_of(scene.loads.begin(), scene.loads.end(),
-                     [&](const Load& l) { return l.limit || !own(l, scene.robot); });
+                     [&](const Load& l) { return l.limit || !is_peak_acceleration(l, scene.robot); });
 }
 bool rated(const BodyScene& scene) {
   return std::any_of(scene.loads.begin(), scene.loads.end(), [](const Load& l) { return !l.limit; });
 }
-double own_rating(const BodyScene& scene) {
+double peak_rating(const BodyScene& scene) {
   if (!rated(scene)) return 1;
   double out = std::numeric_limits<double>::infinity();
   for (const Load& l : scene.loads)
-    if (!l.limit && own(l, scene.robot)) out = std::min(out, l.rating);
+    if (!l.limit && is_peak_acceleration(l, scene.robot)) out = std::min(out, l.rating);
   return out;
 }
 std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing) {
@@ -184,7 +184,7 @@ std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landin
 }
 
 namespace {
-/// The load that gives the worth, and value / rating of it; -1: none does.
+/// Index of the load that gives the worth, and its value / rating; -1 without loads to minimise.
 std::pair<int, double> largest_load(const BodyScene& scene, const std::vector<LoadPeak>& loads) {
   std::pair<int, double> out{-1, -1};
   for (std::size_t i = 0; i < scene.loads.size(); ++i)

@@ -1,4 +1,4 @@
-// What the parts of a robot of links bear: [[load]] of its scene. Private to landing and tools.
+// Loads on the parts of a robot of links: [[load]] of its scene. Private to landing and tools.
 #pragma once
 
 #include <string>
@@ -9,40 +9,40 @@
 
 namespace ukemi::landing {
 
-const char* name(Load::Kind kind);   ///< "acceleration", as files have it
+const char* name(Load::Kind kind);   ///< "acceleration", as in files
 const char* unit(Load::Kind kind);   ///< "m/s^2"
 std::string words(Load::Kind kind);  ///< "motor speed"
-/// "knee", "slider [0, 0]": where it acts.
+/// Where a load acts: "knee", "slider [0, 0]".
 std::string place_of(const Load& load, const Robot& robot);
 
-/// [[load]] of a scene's file, and behind them its joints' `stops`. Throws InputError with file:line:column.
+/// Reads [[load]] of a scene file; the `stops` of joints are appended. Throws InputError with file:line:column.
 std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vector<Load>& stops);
-/// A limit that no file names: its place and kind do, "knee.motor_speed"; `phi`: of an angle.
+/// A limit named by its place and kind, "knee.motor_speed"; `phi`: range of an angle.
 Load limit(const Robot& robot, Load::Kind kind, std::size_t index, double rating,
            const std::array<double, 2>& phi = {});
-/// Adds a limit, or puts it where one of its name is.
+/// Adds a limit, or replaces the one of the same name.
 void set_limit(BodyScene& scene, const Load& limit);
-/// Throws InputError for a number outside its range, and for an index of nothing.
+/// Throws InputError for a number or an index outside its range.
 void check(const Load& load, const Robot& robot);
 
-/// Whether it is the acceleration that counts without loads.
-inline bool own(const Load& l, const Robot& robot) {
+/// Whether a load is the acceleration of the peak point.
+inline bool is_peak_acceleration(const Load& l, const Robot& robot) {
   return l.kind == Load::Kind::kAcceleration && l.index == robot.peak_link && l.at.along == robot.peak.along &&
          l.at.across == robot.peak.across;
 }
-/// Whether a run must look at more than its peak.
+/// Whether a run must track more than its peak.
 bool observed(const BodyScene& scene);
-/// What the peak counts by: without loads to make small 1; infinite where it is none of them [m/s^2].
-double own_rating(const BodyScene& scene);
-/// What a plan makes small: the largest value / rating over the loads without `limit`; without any the peak [m/s^2].
+/// Rating of the peak [m/s^2]: 1 without loads to minimise; infinite if the peak is not one of them.
+double peak_rating(const BodyScene& scene);
+/// The objective of a plan: the largest value / rating of loads without `limit`; if there are none the peak [m/s^2].
 double worth(const BodyScene& scene, const BodyLanding& landing);
-/// The same of a run's peak and of all its loads.
+/// The same from a run's peak and the values of all its loads.
 double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& loads);
-/// Whether that is a part of the ratings, and no acceleration.
+/// Whether the objective is value / rating, not an acceleration.
 bool rated(const BodyScene& scene);
-/// The load that gives the worth; -1: without any.
+/// Index of the load that gives the worth; -1 without loads to minimise.
 int binding(const BodyScene& scene, const BodyLanding& landing);
-/// The values of all loads, of a run that was not observed too.
+/// The values of all loads, even if the run did not observe them.
 std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing);
 
 }  // namespace ukemi::landing

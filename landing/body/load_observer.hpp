@@ -1,5 +1,5 @@
-// Finds the largest value of each load of a run: by the tracker of the peak, whose place the square of the load takes;
-// touches, impulses and rates of references are told by events. Included by body_follow.hpp alone.
+// Finds the largest value of each load of a run: by PeakTracker on the square of the load; touches, impulses and rates
+// of references come from events. Included only by body_follow.hpp.
 #pragma once
 
 #include <array>
@@ -20,22 +20,23 @@ class LoadObserver {
   using Kind = Load::Kind;
 
   LoadObserver(const BodyScene& scene, const System& s) {
-    for (const Load& l : scene.loads) items_.push_back({.of{l, s}, .own = own(l, scene.robot)});
+    for (const Load& l : scene.loads)
+      items_.push_back({.evaluator{l, s}, .is_peak = is_peak_acceleration(l, scene.robot)});
   }
 
-  /// `own`: of the acceleration that counts, told of the same step.
+  /// `peak`: the tracker of the peak point, already updated with this step.
   template <class Integrator>
-  void step(const System& s, Integrator& integrator, const PeakTracker& own) {
+  void step(const System& s, Integrator& integrator, const PeakTracker& peak) {
     for (Item& x : items_) {
-      if (x.own) {
-        x.peak = {std::sqrt(own.square), own.t};
+      if (x.is_peak) {
+        x.peak = {std::sqrt(peak.square), peak.t};
       } else if (x.kind() == Kind::kImpulse) {
-        if (x.down) gather(s, integrator, x);
-      } else if (at_every_state(x.kind())) {
+        if (x.touching) integrate_impulse(s, integrator, x);
+      } else if (is_state_function(x.kind())) {
         const Square<Integrator> square{s, x, integrator.step()};
-        (void)x.tracker.step(square, integrator);  // the run has judged the step
+        (void)x.tracker.step(square, integrator);  // the follower has checked the step
         x.last = square.peak_square(integrator.step().y_end, integrator.step().slope_end);
-        x.peak = {x.of.value(std::sqrt(x.tracker.square)), x.tracker.t};
+        x.peak = {x.evaluator.value(std::sqrt(x.tracker.square)), x.tracker.t};
       }
     }
   }
@@ -44,91 +45,91 @@ class LoadObserver {
   }
   void touchdown(int contact, double t) {
     for (Item& x : items_) {
-      if (x.of.load().index != contact) continue;
+      if (x.evaluator.load().index != contact) continue;
       if (x.kind() == Kind::kTouch && x.peak.value == 0) x.peak = {1, t};
-      if (x.kind() == Kind::kImpulse) x.down = true, x.impulse.setZero();
+      if (x.kind() == Kind::kImpulse) x.touching = true, x.impulse.setZero();
     }
   }
-  /// The landing motions start.
+  /// Called when the landing motions start.
   void land(const BodyMotion& motion, double t) {
     for (Item& x : items_)
       if (x.kind() == Kind::kReferenceRate)
-        x.peak = {peak_reference_rate(motion[std::size_t(x.of.load().index)], t), t};
+        x.peak = {peak_reference_rate(motion[std::size_t(x.evaluator.load().index)], t), t};
   }
   void liftoff(int contact, double t) {
     for (Item& x : items_)
-      if (x.kind() == Kind::kImpulse && x.of.load().index == contact) lift(x, t);
+      if (x.kind() == Kind::kImpulse && x.evaluator.load().index == contact) close_touch(x, t);
   }
-  std::vector<LoadPeak> finish(double t, const PeakTracker& own) {
+  std::vector<LoadPeak> finish(double t, const PeakTracker& peak) {
     std::vector<LoadPeak> out;
     for (Item& x : items_) {
-      if (x.down) lift(x, t);
-      if (x.own) x.peak = {std::sqrt(own.square), own.t};
+      if (x.touching) close_touch(x, t);
+      if (x.is_peak) x.peak = {std::sqrt(peak.square), peak.t};
       out.push_back(x.peak);
     }
     return out;
   }
 
-  /// The largest value / rating so far of those that a plan makes small.
+  /// The largest value / rating so far of the loads that a plan minimises.
   double worth() const {
     double out = 0;
     for (const Item& x : items_)
-      if (!x.of.load().limit) out = std::max(out, x.peak.value / x.of.load().rating);
+      if (!x.evaluator.load().limit) out = std::max(out, x.peak.value / x.evaluator.load().rating);
     return out;
   }
-  /// The first limit that does not hold any more; -1: each holds.
+  /// Index of the first broken limit; -1: none.
   int exceeded() const {
     for (std::size_t i = 0; i < items_.size(); ++i)
-      if (items_[i].of.load().limit && items_[i].peak.value > items_[i].of.load().rating) return int(i);
+      if (items_[i].evaluator.load().limit && items_[i].peak.value > items_[i].evaluator.load().rating) return int(i);
     return -1;
   }
-  /// See RestSquare; while a touch still gathers its impulse a run never rests.
-  double rest_square(double own) const {
-    RestSquare out(own);
+  /// See RestSquare; -1, never at rest, during a touch whose impulse is a load.
+  double rest_square(double peak_square) const {
+    RestSquare out(peak_square);
     for (const Item& x : items_) {
-      if (x.down) return -1;
-      if (!x.own) out.add(x.kind(), large_square(x.of.load(), x.tracker.square), x.last);
+      if (x.touching) return -1;
+      if (!x.is_peak) out.add(x.kind(), reference_square(x.evaluator.load(), x.tracker.square), x.last);
     }
     return out.value();
   }
 
  private:
   struct Item {
-    LoadValue<System> of;
-    bool own = false;
+    LoadValue<System> evaluator;
+    bool is_peak = false;  ///< the acceleration of the peak point
     PeakTracker tracker{};
     double last = 0;  ///< the square at the end of the last step
     LoadPeak peak{};
-    bool down = false;  ///< its touch has begun
+    bool touching = false;  ///< its contact touches
     Vec2<double> impulse = Vec2<double>::Zero();
-    Kind kind() const { return of.load().kind; }
+    Kind kind() const { return evaluator.load().kind; }
   };
-  /// What PeakTracker asks a system for, of one load.
+  /// The square of one load, with the interface of a system for PeakTracker.
   template <class Integrator>
   struct Square {
     const System& s;
     const Item& x;
     const typename std::remove_cvref_t<decltype(std::declval<Integrator&>().step())>& step;
-    mutable double t = 0;  ///< of the state that the derivative was asked for
+    mutable double t = 0;  ///< of the state of the last derivative()
 
     State derivative(double time, const State& y) const {
       t = time;
       return x.kind() == Kind::kAcceleration ? s.derivative(time, y) : State(State::Zero());
     }
     double peak_square(const State& y, const State& dy) const {
-      return x.of.square(s, &y == &step.y_end ? step.t + step.h : &y == &step.y ? step.t : t, y, dy);
+      return x.evaluator.square(s, &y == &step.y_end ? step.t + step.h : &y == &step.y ? step.t : t, y, dy);
     }
   };
-  static void lift(Item& x, double t) {
+  static void close_touch(Item& x, double t) {
     if (const double v = x.impulse.norm(); v > x.peak.value) x.peak = {v, t};
-    x.down = false;
+    x.touching = false;
   }
-  /// The step's part of the integral of the force.
+  /// Adds the integral of the force over the step.
   template <class Integrator>
-  static void gather(const System& s, Integrator& integrator, Item& x) {
+  static void integrate_impulse(const System& s, Integrator& integrator, Item& x) {
     for (const auto& [at, weight] : kImpulseNodes) {
       const State y = integrator.dense().at(at);
-      x.impulse += weight * integrator.step().h * contact_force(s, x.of.load().index, s.pose(y), y);
+      x.impulse += weight * integrator.step().h * contact_force(s, x.evaluator.load().index, s.pose(y), y);
     }
   }
 

@@ -1,4 +1,4 @@
-// Sizes and names of a robot's parts, for those who read, fit and draw it.
+// Sizes and names of a robot's parts.
 #pragma once
 
 #include <cmath>
@@ -10,30 +10,29 @@
 
 namespace ukemi::landing {
 
-/// A robot with a drive that is late (DriveLag) has at most so many; contacts with the ends of stops.
-inline constexpr int kMostLateLinks = 5, kMostLateJoints = 4, kMostLateContacts = 7;
-bool may_be_late(const Robot& robot);  ///< whether it has no more
+/// Maximum sizes of a robot with a late drive (DriveLag); the contacts include the ends of stops.
+inline constexpr int kMaxLateLinks = 5, kMaxLateJoints = 4, kMaxLateContacts = 7;
+bool fits_late_kernel(const Robot& robot);  ///< whether it is within these maxima
 bool has_late_drive(const Robot& robot);
 
-/// "rail", or the name of its joint.
+/// "rail", or the name of the stop's joint.
 std::string stop_name(const Robot& robot, const Stop& stop);
-/// f(stop, 0: its low end, 1: its high one) of every end that a robot's stops have.
+/// Calls f(stop, end) for every finite end of the robot's stops; end 0 is the low one, 1 the high one.
 template <class F>
-void for_each_end(const Robot& robot, F&& f) {
+void for_each_stop_end(const Robot& robot, F&& f) {
   for (const Stop& s : robot.stops)
     for (const int end : {0, 1})
       if (std::isfinite(s.ends[std::size_t(end)])) f(s, end);
 }
-/// The joint of Robot::joints that alone is driven; absent: none is, or several are.
-std::optional<std::size_t> only_driven(const Robot& robot);
-/// Contacts and ends of stops: at most kMostContacts.
-int pushing_points(const Robot& robot);
-/// The places of a link that are not its centre of mass: its origin, its children's joints, its contacts, the peak's
-/// point; each once.
+/// Index of the only driven joint; absent if none or several are driven.
+std::optional<std::size_t> sole_driven_joint(const Robot& robot);
+/// Number of contacts and of ends of stops, together at most kMaxContacts.
+int contacts_and_stop_ends(const Robot& robot);
+/// The distinct places of a link except its centre of mass: origin, joints of its children, contacts, the peak point.
 std::vector<Place> places(const Robot& robot, int link);
-/// Of a link: the largest distance between two of its places [m].
+/// Largest distance between two places of a link [m].
 double extent(const Robot& robot, int link);
-/// The largest distance of a place of the robot from the first link's origin, all joints in line or not [m].
+/// Upper bound of the distance of any place of the robot from the first link's origin, for any joint angles [m].
 double reach(const Robot& robot);
 
 }  // namespace ukemi::landing

@@ -72,16 +72,16 @@ std::string stop_name(const Robot& robot, const Stop& stop) {
   return stop.joint < 0 ? "rail" : robot.joints.at(std::size_t(stop.joint)).name;
 }
 
-bool may_be_late(const Robot& robot) {
-  return int(robot.links.size()) <= kMostLateLinks && int(robot.joints.size()) <= kMostLateJoints &&
-         pushing_points(robot) <= kMostLateContacts;
+bool fits_late_kernel(const Robot& robot) {
+  return int(robot.links.size()) <= kMaxLateLinks && int(robot.joints.size()) <= kMaxLateJoints &&
+         contacts_and_stop_ends(robot) <= kMaxLateContacts;
 }
 bool has_late_drive(const Robot& robot) {
   return std::any_of(robot.joints.begin(), robot.joints.end(),
                      [](const Joint& j) { return j.kind == DriveKind::kElastic && is_late(j.sea); });
 }
 
-std::optional<std::size_t> only_driven(const Robot& robot) {
+std::optional<std::size_t> sole_driven_joint(const Robot& robot) {
   std::optional<std::size_t> out;
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven()) {
@@ -91,17 +91,17 @@ std::optional<std::size_t> only_driven(const Robot& robot) {
   return out;
 }
 
-int pushing_points(const Robot& robot) {
+int contacts_and_stop_ends(const Robot& robot) {
   int out = int(robot.contacts.size());
-  for_each_end(robot, [&](auto&, int) { ++out; });
+  for_each_stop_end(robot, [&](auto&, int) { ++out; });
   return out;
 }
 
 void Robot::validate() const {
-  check_count("links", long(links.size()), 1, kMostLinks);
+  check_count("links", long(links.size()), 1, kMaxLinks);
   check_count("joints", long(joints.size()), long(links.size()) - 1, long(links.size()) - (base != Base::kPinned));
-  check_count("contacts", long(contacts.size()), 0, kMostContacts);
-  check_count("contacts and ends of stops", pushing_points(*this), 0, kMostContacts);
+  check_count("contacts", long(contacts.size()), 0, kMaxContacts);
+  check_count("contacts and ends of stops", contacts_and_stop_ends(*this), 0, kMaxContacts);
   check_not_negative("gravity", gravity), check_not_negative("rail_viscous", rail_viscous);
   check_not_negative("rail_friction", rail_friction), check_not_negative("rail_load_friction", rail_load_friction);
   if (rail_load_friction > 1) throw InputError("rail_load_friction: at most 1 is needed");
@@ -116,11 +116,11 @@ void Robot::validate() const {
     check(what + ": at", l.at), check(what + ": com", l.com);
     if (i > 0 && !joint_of(int(i))) throw InputError(what + ": it has no joint");
   }
-  int before = -1;
+  int previous = -1;
   for (const Joint& j : joints) {
     link_index("joint " + quoted(j.name) + ": child", j.child);
-    if (j.child <= before) throw InputError("joint " + quoted(j.name) + ": joints stand in the order of their links");
-    before = j.child;
+    if (j.child <= previous) throw InputError("joint " + quoted(j.name) + ": joints stand in the order of their links");
+    previous = j.child;
     check(j);
   }
   for (const ContactPoint& c : contacts) {
@@ -144,49 +144,48 @@ void Robot::validate() const {
     check_positive(what + ": stiffness", s.stiffness), check_not_negative(what + ": damping", s.damping);
   }
   link_index("peak_link", peak_link), check("peak", peak);
-  if (has_late_drive(*this) && !may_be_late(*this))
+  if (has_late_drive(*this) && !fits_late_kernel(*this))
     throw InputError(
         fmt::format("control_delay, velocity_filter: with a drive that is late a robot has at most {} links, "
                     "{} joints, {} contacts and ends of stops",
-                    kMostLateLinks, kMostLateJoints, kMostLateContacts));
+                    kMaxLateLinks, kMaxLateJoints, kMaxLateContacts));
 }
 
 namespace {
 
-double between(const Place& a, const Place& b) { return std::hypot(a.along - b.along, a.across - b.across); }
+double distance(const Place& a, const Place& b) { return std::hypot(a.along - b.along, a.across - b.across); }
 
-/// What looks wrong with one link: bounds that no matter passes.
-void doubt(const Robot& robot, int i, std::vector<std::string>& out) {
+/// Appends warnings about one link: bounds that no material exceeds.
+void check_link(const Robot& robot, int i, std::vector<std::string>& out) {
   const Link& l = robot.links[std::size_t(i)];
   const double length = extent(robot, i);
-  constexpr double kShort = 0.02;       // a link of no length is a body about its joint, of any size [m]
+  constexpr double kMinLength = 0.02;   // shorter links are bodies of unknown size [m]
   constexpr double kSteel = 8000;       // a cube of steel of that side [kg/m^3]
   constexpr double kThread = 0.01;      // a carbon tube of 3 mm [kg/m]
-  constexpr double kBeside = 0.25;      // a centre of mass may lie so far beside the places, in lengths
+  constexpr double kBeside = 0.25;      // allowed distance of a centre of mass beyond the places, in lengths
   constexpr double kNarrow = 1.0 / 10;  // of a rod's inertia m L^2 / 12
-  if (length < kShort) return;
-  const auto say = [&](const std::string& what) { out.push_back("link " + quoted(l.name) + ": " + what); };
+  if (length < kMinLength) return;
+  const auto add = [&](const std::string& what) { out.push_back("link " + quoted(l.name) + ": " + what); };
   if (l.mass > kSteel * length * length * length)
-    say(fmt::format("{:.4g} kg in {:.3g} m: a cube of steel of that side weighs {:.3g} kg", l.mass, length,
+    add(fmt::format("{:.4g} kg in {:.3g} m: a cube of steel of that side weighs {:.3g} kg", l.mass, length,
                     kSteel * length * length * length));
   if (l.mass < kThread * length)
-    say(fmt::format("{:.4g} kg in {:.3g} m: a carbon tube of 3 mm weighs {:.2g} kg", l.mass, length, kThread * length));
-  double near = length, far = 0;
-  for (const Place& p : places(robot, i))
-    near = std::min(near, between(p, l.com)), far = std::max(far, between(p, l.com));
+    add(fmt::format("{:.4g} kg in {:.3g} m: a carbon tube of 3 mm weighs {:.2g} kg", l.mass, length, kThread * length));
+  double far = 0;
+  for (const Place& p : places(robot, i)) far = std::max(far, distance(p, l.com));
   if (far > (1 + kBeside) * length)
-    say(fmt::format("its centre of mass lies {:.3g} m from one of its ends, the link is {:.3g} m long", far, length));
-  // Two halves of the mass at both ends have the largest inertia of a rod; a body as wide as long a third more.
-  const double most = 1.35 * l.mass * length * length / 4, rod = l.mass * length * length / 12;
-  if (l.inertia_com > most)
-    say(fmt::format("inertia_com {:.4g} kg m^2: all its mass at both ends gives {:.3g}", l.inertia_com, most));
+    add(fmt::format("its centre of mass lies {:.3g} m from one of its ends, the link is {:.3g} m long", far, length));
+  // Half the mass at each end gives the largest inertia of a rod; a body as wide as long has a third more.
+  const double upper = 1.35 * l.mass * length * length / 4, rod = l.mass * length * length / 12;
+  if (l.inertia_com > upper)
+    add(fmt::format("inertia_com {:.4g} kg m^2: all its mass at both ends gives {:.3g}", l.inertia_com, upper));
   if (l.inertia_com < kNarrow * rod)
-    say(fmt::format("inertia_com {:.4g} kg m^2: a rod of its length and mass has {:.3g}; all of it is about one place",
+    add(fmt::format("inertia_com {:.4g} kg m^2: a rod of its length and mass has {:.3g}; all of it is about one place",
                     l.inertia_com, rod));
 }
 
-/// The largest distance of a place of link i from the first link's origin [m].
-double farthest(const Robot& robot, int i, const Place& p) {
+/// Upper bound of the distance of a place of link i from the first link's origin [m].
+double max_distance(const Robot& robot, int i, const Place& p) {
   double out = std::hypot(p.along, p.across);
   for (; robot.links[std::size_t(i)].parent >= 0; i = robot.links[std::size_t(i)].parent)
     out += std::hypot(robot.links[std::size_t(i)].at.along, robot.links[std::size_t(i)].at.across);
@@ -198,7 +197,7 @@ double farthest(const Robot& robot, int i, const Place& p) {
 std::vector<Place> places(const Robot& robot, int link) {
   std::vector<Place> out;
   const auto add = [&](const Place& p) {
-    if (std::none_of(out.begin(), out.end(), [&](const Place& q) { return between(p, q) == 0; })) out.push_back(p);
+    if (std::none_of(out.begin(), out.end(), [&](const Place& q) { return distance(p, q) == 0; })) out.push_back(p);
   };
   add({});
   for (const Link& l : robot.links)
@@ -213,25 +212,25 @@ double extent(const Robot& robot, int link) {
   const std::vector<Place> all = places(robot, link);
   double out = 0;
   for (const Place& a : all)
-    for (const Place& b : all) out = std::max(out, between(a, b));
+    for (const Place& b : all) out = std::max(out, distance(a, b));
   return out;
 }
 
 double reach(const Robot& robot) {
   double out = 0;
   for (int i = 0; i < int(robot.links.size()); ++i)
-    for (const Place& p : places(robot, i)) out = std::max(out, farthest(robot, i, p));
+    for (const Place& p : places(robot, i)) out = std::max(out, max_distance(robot, i, p));
   return out;
 }
 
 std::vector<std::string> doubts(const Robot& robot) {
   std::vector<std::string> out;
-  for (int i = 0; i < int(robot.links.size()); ++i) doubt(robot, i, out);
+  for (int i = 0; i < int(robot.links.size()); ++i) check_link(robot, i, out);
   std::set<std::tuple<int, double, double>> known;
   for (const ContactPoint& c : robot.contacts) {
     const std::string what = "contact " + quoted(c.name) + ": ";
     const double thickness = c.pad ? c.pad->thickness : 0;
-    if (const double far = farthest(robot, c.link, c.at);
+    if (const double far = max_distance(robot, c.link, c.at);
         robot.base == Base::kPinned && far + thickness < robot.pin_height)
       out.push_back(fmt::format("{}it never touches: it reaches {:.3g} m from a pin {:.3g} m above the floor", what,
                                 far, robot.pin_height));

@@ -1,5 +1,5 @@
 // A robot in the vertical plane: links in a tree, joints with their drives, points that may touch the floor. The
-// paper's two links are one instance. Ours.
+// paper's two-link robot is one instance. Ours.
 //
 // Frames: link i has an absolute angle theta_i and an origin, its joint with its parent; the first link's origin is the
 // end that its file calls so. u(theta) = (sin, -cos) points along the link, n(theta) = (cos, sin) across it; theta = 0
@@ -18,8 +18,8 @@
 
 namespace ukemi::landing {
 
-/// A robot has at most so many; of the joints one may be the pin of a pinned base.
-inline constexpr int kMostLinks = 8, kMostJoints = 8, kMostContacts = 12;
+/// Maximum sizes of a robot; one of the joints may be the pin of a pinned base.
+inline constexpr int kMaxLinks = 8, kMaxJoints = 8, kMaxContacts = 12;
 
 /// A point of a link: origin + along u + across n [m].
 struct Place {
@@ -28,14 +28,14 @@ struct Place {
 
 struct Link {
   std::string name;
-  int parent = -1;     ///< index of an earlier link; -1: of the first, which the base moves
-  Place at;            ///< of its joint, in the parent
+  int parent = -1;     ///< index of an earlier link; -1 for the first link, moved by the base
+  Place at;            ///< place of its joint in the parent
   double mass;         ///< [kg], > 0
   double inertia_com;  ///< about the centre of mass [kg m^2], > 0
   Place com;           ///< centre of mass
 };
 
-/// What turns a joint. It puts +tau on the child and -tau on the parent.
+/// How a joint is driven: +tau acts on the child, -tau on the parent.
 enum class DriveKind {
   kElastic,  ///< Eq. 2-4, a motor behind a spring; the motor's reaction on the links is the spring's torque alone
   kGeared,   ///< a motor that turns with the joint: tau = clamp(Eq. 3, +- tau_max) - friction - i_motor ddphi
@@ -54,10 +54,10 @@ struct Joint {
   std::optional<double> speed_max, motor_torque_max;  ///< rated, of the motor at the output [rad/s], [Nm], > 0
   double stiffness = 0, damping = 0;                  ///< passive [Nm/rad], [Nm/(rad/s)], >= 0
   double rest = 0;                                    ///< of the passive spring [rad]
-  double parallel_stiffness = 0, parallel_rest = 0;   ///< of a spring beside any drive but locked, >= 0 [Nm/rad]; [rad]
+  double parallel_stiffness = 0, parallel_rest = 0;   ///< of a parallel spring, not if locked, >= 0 [Nm/rad]; [rad]
   double phi = 0;                                     ///< at release, passive and locked [rad]
-  std::vector<std::string> uncertain;                 ///< constants of the drive whose errors are known, see Actuator
-  DenseMatrix covariance;                             ///< of those, in their order
+  std::vector<std::string> uncertain;                 ///< drive constants with known errors, see Actuator
+  DenseMatrix covariance;                             ///< of `uncertain`, in that order
   std::string q_name;                                 ///< in the robot's description and messages; empty: `name`
   double q_sign = 1, q_zero = 0;                      ///< its angle there, q = zero + sign phi: 1 or -1; [rad]
 
@@ -71,7 +71,7 @@ struct Pad {
   double damping;    ///< C_p [N/(m/s)], >= 0
 };
 
-/// What the floor does to a point below it (contact.hpp). The paper's law is what is left by default.
+/// Force of the floor on a point below it (contact.hpp). The defaults are the paper's law.
 struct ContactLaw {
   double stiffness = 0;                                       ///< K [N/m], of Hunt and Crossley [N/m^p], > 0
   double damping_normal = 0;                                  ///< C [N/(m/s)], >= 0
@@ -80,7 +80,7 @@ struct ContactLaw {
   double friction = std::numeric_limits<double>::infinity();  ///< mu, >= 0; infinite: no limit
   bool hunt_crossley = false;
   double exponent = 1.5;   ///< p, of Hunt and Crossley, >= 1
-  double dissipation = 0;  ///< c, of the same [s/m], >= 0
+  double dissipation = 0;  ///< c, of Hunt and Crossley [s/m], >= 0
 };
 
 struct ContactPoint {
@@ -89,7 +89,7 @@ struct ContactPoint {
   Place at;
   ContactLaw law;
   std::optional<Pad> pad;
-  std::vector<std::string> own = {};  ///< keys of `law` that the contact's own table gives
+  std::vector<std::string> own_keys = {};  ///< keys of `law` set in the contact's own table
 };
 
 /// Where a measured force pushes in trials: a hammer, a rod, a cable.
@@ -99,7 +99,7 @@ struct PushPoint {
   Place at;
 };
 
-/// What a joint, or the rail, runs against at either end: F = max(0, K delta + C ddelta), delta the way beyond it.
+/// End stops of a joint or of the rail: F = max(0, K delta + C ddelta), delta the penetration.
 struct Stop {
   int joint = -1;                     ///< of Robot::joints; -1: the rail, by the first link's origin
   std::array<double, 2> ends{};       ///< low, high [rad] or, along the rail, [m]; infinite: none
@@ -117,7 +117,7 @@ struct Robot {
   double rail_friction = 0, rail_load_friction = 0;  ///< dry [N], >= 0; over the force across the rail, 0 to 1
   double pin_height = 0;                             ///< of a pinned origin above the floor [m]
   int peak_link = 0;
-  Place peak;  ///< the point whose acceleration counts
+  Place peak;  ///< the point whose acceleration is minimised
   std::vector<Link> links;
   std::vector<Joint> joints;
   std::vector<ContactPoint> contacts;
@@ -131,17 +131,17 @@ struct Robot {
     return nullptr;
   }
   double mass() const;  ///< [kg]
-  /// Whether the errors of any drive's constants are known.
+  /// Whether any drive has a covariance of its constants.
   bool fitted() const {
     return std::any_of(joints.begin(), joints.end(), [](const Joint& j) { return j.covariance.size() > 0; });
   }
-  /// Throws InputError for a number outside the range that stands beside it, more of anything than the equations hold,
-  /// a parent that does not come first, a joint that is missing, given twice or late.
+  /// Throws InputError for a number outside its documented range, sizes beyond the maxima, a parent after its child,
+  /// a joint that is missing, repeated or out of order.
   void validate() const;
 };
 
-/// What looks wrong with a robot, a sentence each: a mass or an inertia that no link of that size has, a centre of mass
-/// outside of its link, a contact that can never touch. Empty: nothing.
+/// Warnings about implausible numbers, one sentence each: a mass or an inertia that no link of that size has, a centre
+/// of mass outside its link, a contact that can never touch.
 std::vector<std::string> doubts(const Robot& robot);
 
 }  // namespace ukemi::landing

@@ -23,13 +23,13 @@ namespace {
 
 using Indices = std::map<std::string, int>;
 
-Place place_in(TomlSection& s, const std::string& key) {
+Place read_place(TomlSection& s, const std::string& key) {
   const auto v = s.optional_numbers(key, 2, Range::any());
   return v ? Place{(*v)[0], (*v)[1]} : Place{};
 }
 
-/// A name that no earlier one of its kind has; it becomes part of keys and columns.
-std::string new_name(TomlSection& s, const Indices& known, const std::string& key = "name") {
+/// Reads a name that is unique among `known` and valid in keys and column names.
+std::string unique_name(TomlSection& s, const Indices& known, const std::string& key = "name") {
   const std::string name = s.text(key);
   const auto plain = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -40,7 +40,7 @@ std::string new_name(TomlSection& s, const Indices& known, const std::string& ke
   return name;
 }
 
-int index_in(TomlSection& s, const std::string& key, const Indices& known) {
+int read_index(TomlSection& s, const std::string& key, const Indices& known) {
   const std::string name = s.text(key);
   const auto it = known.find(name);
   std::vector<std::string> names;
@@ -50,7 +50,7 @@ int index_in(TomlSection& s, const std::string& key, const Indices& known) {
 }
 
 /// q = { name = "l-hip", sign = -1, zero_deg = 10 }
-void read_own_angle(TomlSection& link, Joint& joint) {
+void read_angle_convention(TomlSection& link, Joint& joint) {
   auto s = link.optional_section("q");
   if (!s) return;
   joint.q_name = s->optional_text("name").value_or("");
@@ -59,43 +59,43 @@ void read_own_angle(TomlSection& link, Joint& joint) {
   if (std::abs(joint.q_sign) != 1) s->fail("sign", shortest(joint.q_sign) + ": 1 or -1 is needed");
 }
 
-/// The links of a file, parents before their children, and their joints with the tables that name them.
+/// Reads the links of a file, parents before children, and their joints.
 struct LinkReader {
   Robot& out;
   std::vector<TomlSection> sections;
-  Indices placed{};                   ///< links by name
-  std::vector<TomlSection> joints{};  ///< the table of each joint's child
+  Indices link_index{};               ///< links by name
+  std::vector<TomlSection> joints{};  ///< table of each joint's child link
 
   void read(TomlSection& robot) {
     if (sections.empty()) robot.fail("link", "links [[robot.link]] are needed");
-    if (int(sections.size()) > kMostLinks)
-      robot.fail("link", fmt::format("{} links: at most {} are needed", sections.size(), kMostLinks));
+    if (int(sections.size()) > kMaxLinks)
+      robot.fail("link", fmt::format("{} links: at most {} are needed", sections.size(), kMaxLinks));
     std::vector<std::string> parents;
-    std::vector<std::size_t> left = in_order(parents);
+    std::vector<std::size_t> pending = root_first(parents);
     Indices known;
-    while (!left.empty()) {
-      const auto next = std::find_if(left.begin(), left.end(),
-                                     [&](std::size_t i) { return parents[i].empty() || placed.count(parents[i]); });
-      if (next == left.end())
-        sections[left[0]].fail("parent",
-                               ukemi::quoted(parents[left[0]]) + ": these links hang in a circle: a tree is needed");
+    while (!pending.empty()) {
+      const auto next = std::find_if(pending.begin(), pending.end(),
+                                     [&](std::size_t i) { return parents[i].empty() || link_index.count(parents[i]); });
+      if (next == pending.end())
+        sections[pending[0]].fail(
+            "parent", ukemi::quoted(parents[pending[0]]) + ": these links hang in a circle: a tree is needed");
       add(sections[*next], parents[*next], known);
-      left.erase(next);
+      pending.erase(next);
     }
   }
 
  private:
-  /// The root first; every parent is a link.
-  std::vector<std::size_t> in_order(std::vector<std::string>& parents) {
+  /// Indices of all sections, the root first; checks that there is one root and that every parent is a link.
+  std::vector<std::size_t> root_first(std::vector<std::string>& parents) {
     Indices all;
     std::optional<std::size_t> root;
     for (std::size_t i = 0; i < sections.size(); ++i) {
-      all[new_name(sections[i], all)] = int(i);
+      all[unique_name(sections[i], all)] = int(i);
       parents.push_back(sections[i].optional_text("parent").value_or(""));
     }
     for (std::size_t i = 0; i < sections.size(); ++i) {
       if (!parents[i].empty())
-        (void)index_in(sections[i], "parent", all);
+        (void)read_index(sections[i], "parent", all);
       else if (root)
         sections[i].fail("parent", ukemi::quoted(sections[i].text("name")) + " has none, and " +
                                        ukemi::quoted(sections[*root].text("name")) +
@@ -104,24 +104,24 @@ struct LinkReader {
         root = i;
     }
     if (!root) sections[0].fail("parent", "every link has a parent: one without is needed, the base");
-    std::vector<std::size_t> left{*root};
+    std::vector<std::size_t> pending{*root};
     for (std::size_t i = 0; i < sections.size(); ++i)
-      if (i != *root) left.push_back(i);
-    return left;
+      if (i != *root) pending.push_back(i);
+    return pending;
   }
   void add(TomlSection& s, const std::string& parent, Indices& known) {
     const bool base = parent.empty();
     const int index = int(out.links.size());
     if (base && s.has("at")) s.fail("at", "the base has no joint: its origin is where it begins");
-    out.links.push_back({s.text("name"), base ? -1 : placed.at(parent), base ? Place{} : place_in(s, "at"),
+    out.links.push_back({s.text("name"), base ? -1 : link_index.at(parent), base ? Place{} : read_place(s, "at"),
                          s.number("mass", Range::positive()), s.number("inertia_com", Range::positive()),
-                         place_in(s, "com")});
-    placed[out.links.back().name] = index;
+                         read_place(s, "com")});
+    link_index[out.links.back().name] = index;
     if (base && !s.has("joint")) return;
     if (base && out.base != Base::kPinned) s.fail("joint", "the base of a robot that is not pinned has no joint");
     Joint joint;
-    joint.name = new_name(s, known, "joint"), joint.child = index;
-    read_own_angle(s, joint);
+    joint.name = unique_name(s, known, "joint"), joint.child = index;
+    read_angle_convention(s, joint);
     known[joint.name] = int(out.joints.size());
     out.joints.push_back(std::move(joint));
     joints.push_back(s);
@@ -130,17 +130,17 @@ struct LinkReader {
 
 void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& floor, Robot& out) {
   std::vector<TomlSection> sections = robot.sections("contact");
-  if (int(sections.size()) > kMostContacts)
-    robot.fail("contact", fmt::format("{} contacts: at most {} are needed", sections.size(), kMostContacts));
+  if (int(sections.size()) > kMaxContacts)
+    robot.fail("contact", fmt::format("{} contacts: at most {} are needed", sections.size(), kMaxContacts));
   Indices known;
   for (TomlSection& s : sections) {
     ContactPoint c;
-    c.name = new_name(s, known);
+    c.name = unique_name(s, known);
     known[c.name] = int(out.contacts.size());
-    c.link = index_in(s, "link", links), c.at = place_in(s, "at");
+    c.link = read_index(s, "link", links), c.at = read_place(s, "at");
     c.law = read_law(s, floor);
     for (const LawConstant& constant : kLawConstants)
-      if (s.has(constant.key)) c.own.push_back(constant.key);
+      if (s.has(constant.key)) c.own_keys.push_back(constant.key);
     if (auto pad = s.optional_section("pad"))
       c.pad = Pad{pad->number("thickness", Range::positive()), pad->number("stiffness", Range::positive()),
                   pad->optional_number("damping", Range::non_negative()).value_or(0)};
@@ -151,20 +151,20 @@ void read_contacts(TomlSection& robot, const Indices& links, const ContactLaw& f
 void read_pushes(TomlSection& robot, const Indices& links, Robot& out) {
   Indices known;
   for (TomlSection& s : robot.sections("push")) {
-    const std::string name = new_name(s, known);
+    const std::string name = unique_name(s, known);
     known[name] = int(out.pushes.size());
-    out.pushes.push_back({name, index_in(s, "link", links), place_in(s, "at")});
+    out.pushes.push_back({name, read_index(s, "link", links), read_place(s, "at")});
   }
 }
 
-/// A motor that turns with the joint: all friction is its own.
+/// Reads a geared drive: all friction is the motor's.
 void read_geared(TomlSection& s, Joint& joint) {
   SeaParameters<double>& sea = joint.sea;
   sea.k_p = s.number("k_p", Range::non_negative()), sea.k_d = s.number("k_d", Range::non_negative());
   sea.i_motor = s.number("i_motor", Range::positive());
   if (const auto v = s.optional_number("tau_max", Range::non_negative())) sea.tau_max = *v;
   for (const ActuatorConstant& c : optional_constants())
-    if (is_of_geared(c.key) && c.key != std::string("tau_max"))
+    if (is_geared_constant(c.key) && c.key != std::string("tau_max"))
       sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
   joint.speed_max = s.optional_number("speed_max", Range::positive());
   joint.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
@@ -217,7 +217,7 @@ void read_base(TomlSection& s, Robot& out) {
   }
 }
 
-/// [stop.JOINT] and [stop.rail].
+/// Reads [stop.JOINT] and [stop.rail].
 void read_stops(TomlFile& file, Robot& out) {
   auto all = file.optional("stop");
   if (!all) return;
@@ -251,11 +251,11 @@ void read_stops(TomlFile& file, Robot& out) {
     stop.damping = s->optional_number("damping", Range::non_negative()).value_or(0);
     out.stops.push_back(stop);
   }
-  if (const int all_of_them = pushing_points(out); all_of_them > kMostContacts)
-    all->fail("", fmt::format("{} contacts and ends of stops: at most {} are needed", all_of_them, kMostContacts));
+  if (const int count = contacts_and_stop_ends(out); count > kMaxContacts)
+    all->fail("", fmt::format("{} contacts and ends of stops: at most {} are needed", count, kMaxContacts));
 }
 
-/// The drive that the command line gives a joint; an empty name is that of the only one it can be.
+/// The drive given for a joint on the command line or null; `only`: drives without a joint name are for this joint.
 const GivenDrive* given_for(const Joint& joint, bool only, const std::vector<GivenDrive>& given) {
   for (const GivenDrive& g : given)
     if (g.joint == joint.name || (g.joint.empty() && only)) return &g;
@@ -266,37 +266,39 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
                  std::vector<std::string>& files) {
   std::vector<Joint>& joints = reader.out.joints;
   const auto folder = [](const TomlFile& f) { return std::filesystem::path(f.path()).parent_path().string(); };
-  std::optional<TomlSection> here = file.optional("drive"), there = scene ? scene->optional("drive") : std::nullopt;
+  std::optional<TomlSection> in_robot = file.optional("drive"),
+                             in_scene = scene ? scene->optional("drive") : std::nullopt;
   std::vector<std::string> names;
-  std::vector<bool> open;  // no drive of its own
+  std::vector<bool> undriven;  // without a drive in the files
   for (std::size_t i = 0; i < joints.size(); ++i) {
     Joint& joint = joints[i];
     names.push_back(joint.name);
-    auto a = here ? here->optional_section(joint.name) : std::nullopt;
-    auto b = there ? there->optional_section(joint.name) : std::nullopt;
+    auto a = in_robot ? in_robot->optional_section(joint.name) : std::nullopt;
+    auto b = in_scene ? in_scene->optional_section(joint.name) : std::nullopt;
     if (a && b)
-      there->fail(joint.name, "the robot's file " + ukemi::quoted(file.path()) + " has this drive too: one is needed");
+      in_scene->fail(joint.name,
+                     "the robot's file " + ukemi::quoted(file.path()) + " has this drive too: one is needed");
     if (a) read_drive(*a, joint, folder(file), files);
     if (b) read_drive(*b, joint, folder(*scene), files);
-    open.push_back(!a && !b);
+    undriven.push_back(!a && !b);
   }
   for (const GivenDrive& g : given)
     if (!g.joint.empty() && std::find(names.begin(), names.end(), g.joint) == names.end())
       throw InputError(g.option + ": " + one_of(g.joint, names));
-  const auto lacking = std::count(open.begin(), open.end(), true);
+  const auto undriven_count = std::count(undriven.begin(), undriven.end(), true);
   const auto driven = std::count_if(joints.begin(), joints.end(), [](auto& j) { return j.driven(); });
   for (const GivenDrive& g : given)
-    if (g.joint.empty() && (lacking > 0 ? lacking != 1 : driven != 1))
+    if (g.joint.empty() && (undriven_count > 0 ? undriven_count != 1 : driven != 1))
       throw InputError(fmt::format("{}: {}: JOINT=FILE is needed, JOINT one of {}", g.option, ukemi::quoted(g.file),
                                    fmt::join(names, ", ")));
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    const bool only = lacking > 0 ? lacking == 1 && open[i] : driven == 1 && joints[i].driven();
+    const bool only = undriven_count > 0 ? undriven_count == 1 && undriven[i] : driven == 1 && joints[i].driven();
     if (const GivenDrive* g = given_for(joints[i], only, given)) {
       if (!joints[i].driven())
         throw InputError(g->option + ": joint " + ukemi::quoted(joints[i].name) + " is " + name(joints[i].kind) +
                          ": a joint that is driven is needed");
       files.push_back(g->file), set_elastic(read_actuator(g->file), joints[i], {g->file});
-    } else if (open[i]) {
+    } else if (undriven[i]) {
       reader.joints[i].fail(
           "joint",
           fmt::format("{}: its drive is needed: a table [drive.{}], or {} {}=FILE", ukemi::quoted(joints[i].name),
@@ -326,7 +328,7 @@ Robot by_links(const TwoLinkTable& table, const ContactLaw& law) {
   return out;
 }
 
-bool is_of_geared(const std::string& key) {
+bool is_geared_constant(const std::string& key) {
   constexpr std::array kKeys = {"k_p",
                                 "k_d",
                                 "i_motor",
@@ -354,11 +356,11 @@ ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
     return s.has(key);
   };
   if (!floor) law.stiffness = s.number("stiffness", Range::positive());
-  const bool own = floor && set("stiffness", law.stiffness, Range::positive());
+  const bool own_stiffness = floor && set("stiffness", law.stiffness, Range::positive());
   if (const auto kind = s.optional_choice("law", {"linear", "hunt_crossley"})) law.hunt_crossley = *kind != "linear";
   if (law.hunt_crossley) {
     if (s.has("damping_normal"))
-      s.fail("damping_normal", "with law = \"hunt_crossley\" it has no say: dissipation is its damping");
+      s.fail("damping_normal", "with law = \"hunt_crossley\" it has no effect: dissipation is its damping");
     set("exponent", law.exponent, Range{1, 10, false, "from 1 to 10"});
     set("dissipation", law.dissipation, Range::non_negative());
     law.damping_normal = 0;
@@ -368,29 +370,31 @@ ContactLaw read_law(TomlSection& s, const std::optional<ContactLaw>& floor) {
     set("damping_normal", law.damping_normal, Range::non_negative());
   }
   set("damping_tangential", law.damping_tangential, Range::non_negative());
-  const bool rubs = set("friction", law.friction, Range::non_negative()) || std::isfinite(law.friction);
+  const bool has_friction = set("friction", law.friction, Range::non_negative()) || std::isfinite(law.friction);
   const bool given = set("stiffness_tangential", law.stiffness_tangential, Range::non_negative());
-  if (!given && rubs && (!floor || own)) law.stiffness_tangential = law.stiffness;
-  if (rubs && !(law.damping_tangential > 0)) s.fail("damping_tangential", "with friction it must be above 0");
+  if (!given && has_friction && (!floor || own_stiffness)) law.stiffness_tangential = law.stiffness;
+  if (has_friction && !(law.damping_tangential > 0)) s.fail("damping_tangential", "with friction it must be above 0");
   return law;
 }
 
 namespace {
 
-bool is_stiff(const ContactPoint& c) { return std::find(c.own.begin(), c.own.end(), "stiffness") != c.own.end(); }
+bool has_own_stiffness(const ContactPoint& c) {
+  return std::find(c.own_keys.begin(), c.own_keys.end(), "stiffness") != c.own_keys.end();
+}
 
 }  // namespace
 
-void check_stiff_contacts(const BodyScene& scene, const std::string& path) {
+void require_contact_stiffness(const BodyScene& scene, const std::string& path) {
   for (const ContactPoint& c : scene.robot.contacts)
-    if (!scene.floor && !is_stiff(c))
+    if (!scene.floor && !has_own_stiffness(c))
       throw InputError(Location{path}, "contact " + c.name + " has no stiffness: its own, or [floor], is needed");
 }
 
-void stand_on_contacts(const std::string& path, Contacts needed, BodyScene& scene) {
+void enable_floor(const std::string& path, Contacts needed, BodyScene& scene) {
   const std::vector<ContactPoint>& contacts = scene.robot.contacts;
-  if (needed == Contacts::kAllOrNone && std::none_of(contacts.begin(), contacts.end(), is_stiff)) return;
-  check_stiff_contacts(scene, path);
+  if (needed == Contacts::kAllOrNone && std::none_of(contacts.begin(), contacts.end(), has_own_stiffness)) return;
+  require_contact_stiffness(scene, path);
   scene.floor = true;
 }
 
@@ -405,12 +409,12 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
     robot.gravity = s.number("gravity", Range::non_negative());
     read_base(s, robot);
     links.read(s);
-    read_contacts(s, links.placed, floor, robot);
-    read_pushes(s, links.placed, robot);
+    read_contacts(s, links.link_index, floor, robot);
+    read_pushes(s, links.link_index, robot);
   }
   robot.peak = robot.links[0].com;
   if (auto peak = s.optional_section("peak"))
-    robot.peak_link = index_in(*peak, "link", links.placed), robot.peak = place_in(*peak, "at");
+    robot.peak_link = read_index(*peak, "link", links.link_index), robot.peak = read_place(*peak, "at");
   read_drives(links, file, scene, drives, out.drive_files);
   read_stops(file, robot);
 }

@@ -1,4 +1,4 @@
-// A robot's tables, in a file of its own or in a scene's.
+// Reads a robot's tables, from its own file or from a scene file.
 #pragma once
 
 #include <map>
@@ -10,41 +10,37 @@
 
 namespace ukemi::landing {
 
-/// Whether a file asks for a robot of links: [[robot.link]], robot = "FILE", or loads, of which the paper's two links
-/// know none.
+/// Whether a file needs a robot of links: it has [[robot.link]], robot = "FILE" or [[load]].
 bool is_of_links(const std::string& path);
 
-/// Texts that stand in place of files, by their paths.
+/// Contents that replace those of files, by path.
 using Texts = std::map<std::string, std::string>;
-/// As read_body_scene or, with a height, as read_dropped; and as read_robot.
+/// As read_body_scene, with a height as read_dropped; read_edited_robot: as read_robot.
 BodyScene read_edited(const std::string& path, const std::vector<GivenDrive>& drives,
                       const std::optional<double>& height, const Texts& texts);
 BodyScene read_edited_robot(const std::string& path, const Texts& texts);
 TomlFile open_edited(const std::string& path, const Texts& texts);
 
-/// Constants of the floor's law, the same keys in [floor] and in a contact; `floor` holds what stands where a contact
-/// omits one, absent for [floor] itself.
+/// Reads a contact law of [floor] or of a contact; `floor`: defaults of a contact, absent for [floor].
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
 
-/// The paper's robot by its links: thigh and shank, joined by the knee, which has no drive yet; the points that may
-/// touch have their names, and all of them this law.
+/// The paper's robot as a robot of links: thigh and shank, joined by the knee, which has no drive yet; all contact
+/// points get this law.
 Robot by_links(const TwoLinkTable& table, const ContactLaw& law);
 
-/// Whether a geared drive has that constant of an actuator.
-bool is_of_geared(const std::string& key);
-/// An elastic drive, as a file holds it. Throws InputError for one without the gains of its controller.
+/// Whether a geared drive has this constant of an actuator.
+bool is_geared_constant(const std::string& key);
+/// Gives a joint the elastic drive of an actuator file. Throws InputError for one without controller gains.
 void set_elastic(const Actuator& actuator, Joint& joint, const Location& where);
 
-/// The robot, of [robot] of a file and [drive] of that file or of the scene that names it (null: there is none), and
-/// the drives' files.
+/// Reads the robot and its drive files from [robot] of a file, and [drive] of that file or of `scene` (may be null).
 void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor, const std::vector<GivenDrive>& drives,
                        BodyScene& out);
 
-/// Throws InputError where a contact has no stiffness, its own or a [floor]'s.
-void check_stiff_contacts(const BodyScene& scene, const std::string& path);
-/// Without [floor] contacts touch by their own laws: all of them or, where so many may, none. Throws InputError where
-/// some have no stiffness.
+/// Throws InputError if a contact has a stiffness neither of its own nor from [floor].
+void require_contact_stiffness(const BodyScene& scene, const std::string& path);
+/// Turns the floor on if all contacts, or with kAllOrNone any, have a stiffness. Throws InputError if one is missing.
 enum class Contacts { kAll, kAllOrNone };
-void stand_on_contacts(const std::string& path, Contacts needed, BodyScene& scene);
+void enable_floor(const std::string& path, Contacts needed, BodyScene& scene);
 
 }  // namespace ukemi::landing

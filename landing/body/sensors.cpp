@@ -9,11 +9,11 @@ namespace ukemi::landing {
 std::vector<MeasuredColumn> measured_columns(const Robot& robot) {
   std::vector<MeasuredColumn> out;
   for (const Joint& j : robot.joints)
-    for (std::size_t q = 0; q < kSensed; ++q)
-      out.push_back({std::string(kSensedNames[q]) + "_" + j.name, kSensedUnits[q]});
-  for (std::size_t q = 0; q < kBaseSensed && robot.base == Base::kFree; ++q)
-    out.push_back({std::string(kBaseSensedNames[q]) + "_" + robot.links[0].name, kBaseSensedUnits[q]});
-  for (const char* name : kBodySensedNames) out.push_back({name, "m/s^2"});
+    for (std::size_t q = 0; q < kJointSignals; ++q)
+      out.push_back({std::string(kJointSignalNames[q]) + "_" + j.name, kJointSignalUnits[q]});
+  for (std::size_t q = 0; q < kBaseSignals && robot.base == Base::kFree; ++q)
+    out.push_back({std::string(kBaseSignalNames[q]) + "_" + robot.links[0].name, kBaseSignalUnits[q]});
+  for (const char* name : kAccelerationSignalNames) out.push_back({name, "m/s^2"});
   for (const ContactPoint& c : robot.contacts)
     for (const char* part : kForceNames) out.push_back({"f_" + c.name + part, "N"});
   return out;
@@ -56,7 +56,7 @@ Sensors read_sensors(TomlFile& file, const Robot& robot) {
   Sensors out;
   auto s = file.optional("sensor");
   if (!s) return out;
-  const Range shift{-kMostTimeShift, kMostTimeShift, false, fmt::format("from -{0:g} to {0:g} s", kMostTimeShift)};
+  const Range shift{-kMaxTimeShift, kMaxTimeShift, false, fmt::format("from -{0:g} to {0:g} s", kMaxTimeShift)};
   out.time_shift = s->optional_number("time_shift", shift).value_or(0);
   out.push_smooth = s->optional_number("push_smooth", {0, 1, false, "from 0 to 1"}).value_or(0);
   for (const MeasuredColumn& c : all_columns(robot))

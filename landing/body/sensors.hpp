@@ -1,9 +1,8 @@
-// What the columns of a robot's log say of what they measure. Ours.
+// Calibration of the columns of a robot's log. Ours.
 //
 //     logged(t) = gain actual(t) + bias
 //
-// Of a force that pushes the robot, what was logged at t acted at t + time_shift; between its rows it is a curve
-// (common/force_curve.hpp).
+// A push logged at t acted at t + time_shift; between rows it is interpolated (common/force_curve.hpp).
 #pragma once
 
 #include <array>
@@ -16,21 +15,22 @@
 
 namespace ukemi::landing {
 
-/// What is measured of a joint; the torque is that asked of its drive.
-enum Sensed { kAngle, kRate, kTorque, kSensed };
-inline constexpr std::array<const char*, kSensed> kSensedNames = {"phi", "dphi", "torque"};
-inline constexpr std::array<const char*, kSensed> kSensedUnits = {"rad", "rad/s", "Nm"};
+/// Measured signals of a joint; kTorque is the torque requested of its drive.
+enum JointSignal { kAngle, kRate, kTorque, kJointSignals };
+inline constexpr std::array<const char*, kJointSignals> kJointSignalNames = {"phi", "dphi", "torque"};
+inline constexpr std::array<const char*, kJointSignals> kJointSignalUnits = {"rad", "rad/s", "Nm"};
 
-/// What is measured of the first link of a free base: its origin, absolute angle and its rate.
-enum BaseSensed { kOriginX, kOriginY, kPitch, kPitchRate, kBaseSensed };
-inline constexpr std::array<const char*, kBaseSensed> kBaseSensedNames = {"x", "y", "theta", "dtheta"};
-inline constexpr std::array<const char*, kBaseSensed> kBaseSensedUnits = {"m", "m", "rad", "rad/s"};
+/// Measured signals of the first link of a free base: origin, absolute angle and its rate.
+enum BaseSignal { kOriginX, kOriginY, kPitch, kPitchRate, kBaseSignals };
+inline constexpr std::array<const char*, kBaseSignals> kBaseSignalNames = {"x", "y", "theta", "dtheta"};
+inline constexpr std::array<const char*, kBaseSignals> kBaseSignalUnits = {"m", "m", "rad", "rad/s"};
 
-/// What is measured at the point that counts: its acceleration, as landings have it, norm and parts along and across
-/// the floor; and what an accelerometer there reads, the acceleration less gravity along and across its link.
-enum BodySensed { kNorm, kAlong, kAcross, kSpecificAlong, kSpecificAcross, kBodySensed };
-inline constexpr std::array<const char*, kBodySensed> kBodySensedNames = {"acc", "ax", "ay", "sf_along", "sf_across"};
-/// And of each contact, or push: the force on the robot, along and across the floor.
+/// Measured signals of the peak point: norm of its acceleration, its components along and across the floor, and its
+/// specific force along and across the link, as an accelerometer reads it.
+enum AccelerationSignal { kNorm, kAlong, kAcross, kSpecificAlong, kSpecificAcross, kAccelerationSignals };
+inline constexpr std::array<const char*, kAccelerationSignals> kAccelerationSignalNames = {"acc", "ax", "ay",
+                                                                                           "sf_along", "sf_across"};
+/// Suffixes of the force on the robot at a contact or push, along and across the floor.
 inline constexpr std::array<const char*, 2> kForceNames = {"_x", "_y"};
 
 struct MeasuredColumn {
@@ -42,8 +42,8 @@ std::vector<MeasuredColumn> measured_columns(const Robot& robot);
 /// push_NAME_x, push_NAME_y of every push.
 std::vector<MeasuredColumn> push_columns(const Robot& robot);
 
-/// Largest Sensors::time_shift either way [s].
-inline constexpr double kMostTimeShift = 0.1;
+/// Largest |Sensors::time_shift| [s].
+inline constexpr double kMaxTimeShift = 0.1;
 
 struct Sensor {
   double gain = 1, bias = 0;  ///< gain > 0; bias in the column's unit
@@ -53,16 +53,16 @@ struct Sensor {
 };
 
 struct Sensors {
-  std::map<std::string, Sensor> column;  ///< by its name; one that is missing says what is
-  double time_shift = 0;                 ///< by which the pushes came later than logged [s]
-  double push_smooth = 0;                ///< of pushes between their rows; 0: linear, 1: smooth
+  std::map<std::string, Sensor> column;  ///< by name; a missing column has gain 1, bias 0
+  double time_shift = 0;                 ///< delay of pushes against their log [s]
+  double push_smooth = 0;                ///< interpolation of pushes: 0 linear, 1 smooth
 
   Sensor of(const std::string& name) const;
 };
 
-/// A number of them by its name, "time_shift", "push_smooth", "COLUMN.gain" or "COLUMN.bias"; null: there is none.
+/// A number by its name: "time_shift", "push_smooth", "COLUMN.gain" or "COLUMN.bias"; null if there is none.
 double* sensor_number(Sensors& sensors, const Robot& robot, const std::string& name);
-/// [sensor] time_shift, push_smooth and [sensor.COLUMN] gain, bias of a robot's file.
+/// Reads [sensor] time_shift, push_smooth and [sensor.COLUMN] gain, bias of a robot's file.
 Sensors read_sensors(TomlFile& file, const Robot& robot);
 
 }  // namespace ukemi::landing

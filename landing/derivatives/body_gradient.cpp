@@ -18,7 +18,7 @@ namespace {
 
 using Of = BodyParameter::Of;
 
-/// Of kContactKeys.
+/// Indices into kContactKeys.
 enum { kStiffness, kDampingNormal, kDampingTangential, kStiffnessTangential, kFriction, kExponent, kDissipation, kPad };
 
 std::size_t count_of(Of of) {
@@ -35,45 +35,47 @@ std::size_t count_of(Of of) {
   return kContactKeys.size();
 }
 
-/// Throws InputError for what the robot has not.
+/// Throws InputError for a parameter that the robot has not.
 void check(const BodyParameter& p, const Robot& robot) {
-  const bool of_contact = p.of == Of::kContact, all = p.index == -1 && p.of == Of::kMotion;
-  const std::size_t most = of_contact ? robot.contacts.size() : robot.joints.size();
-  const bool known = p.which >= 0 && std::size_t(p.which) < count_of(p.of),
-             there = all || p.of == Of::kDrop || (p.index >= 0 && std::size_t(p.index) < most);
-  if (!known || !there) throw InputError(fmt::format("parameter: the robot has none of {}, {}", p.index, p.which));
-  if (all || p.of == Of::kDrop || of_contact) return;
+  const bool is_contact = p.of == Of::kContact, all = p.index == -1 && p.of == Of::kMotion;
+  const std::size_t count = is_contact ? robot.contacts.size() : robot.joints.size();
+  const bool which_valid = p.which >= 0 && std::size_t(p.which) < count_of(p.of),
+             index_valid = all || p.of == Of::kDrop || (p.index >= 0 && std::size_t(p.index) < count);
+  if (!which_valid || !index_valid)
+    throw InputError(fmt::format("parameter: the robot has none of {}, {}", p.index, p.which));
+  if (all || p.of == Of::kDrop || is_contact) return;
   const Joint& joint = robot.joints[std::size_t(p.index)];
   if (!joint.driven()) throw InputError("parameter: joint " + joint.name + " is not driven");
 }
 
-BodyGradients some_gradients(const BodyScene& scene, const BodyMotion& motion,
-                             std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
+BodyGradients gradients_of_run(const BodyScene& scene, const BodyMotion& motion,
+                               std::span<const BodyParameter> parameters, const SimulateOptions& options,
+                               int max_peaks) {
   return in_landing_kernel(scene.robot, [&]<Capacity kSize>() {
-    return gradients_in_kernel<kSize>(scene, motion, parameters, options, most);
+    return gradients_in_kernel<kSize>(scene, motion, parameters, options, max_peaks);
   });
 }
 
-/// The derivatives of `more` behind those of `out`. The runs step by their own derivatives too, so that one maximum of
-/// both is told by its time; what is no maximum of both is dropped.
-void join(std::vector<BodyPeakGradient>& out, const std::vector<BodyPeakGradient>& more) {
-  constexpr double kOneTime = 1e-6;  // [s]
-  std::vector<BodyPeakGradient> both;
+/// Appends the derivatives of `more` to those of `out`. Steps depend on the derivatives, so maxima of both runs are
+/// matched by their times; unmatched ones are dropped.
+void append_derivatives(std::vector<BodyPeakGradient>& out, const std::vector<BodyPeakGradient>& more) {
+  constexpr double kSameTime = 1e-6;  // [s]
+  std::vector<BodyPeakGradient> common;
   for (BodyPeakGradient& p : out) {
     const auto same = std::find_if(more.begin(), more.end(), [&](const BodyPeakGradient& q) {
-      return q.kind == p.kind && std::abs(q.t - p.t) < kOneTime;
+      return q.kind == p.kind && std::abs(q.t - p.t) < kSameTime;
     });
     if (same == more.end()) continue;
     const Eigen::Index n = p.d.size();
     p.d.conservativeResize(n + same->d.size());
     p.d.tail(same->d.size()) = same->d;
-    both.push_back(p);
+    common.push_back(p);
   }
-  out = std::move(both);
+  out = std::move(common);
 }
-void join(BodyGradients& out, const BodyGradients& more) {
-  join(out.peaks, more.peaks);
-  for (std::size_t i = 0; i < out.loads.size(); ++i) join(out.loads[i], more.loads[i]);
+void append_derivatives(BodyGradients& out, const BodyGradients& more) {
+  append_derivatives(out.peaks, more.peaks);
+  for (std::size_t i = 0; i < out.loads.size(); ++i) append_derivatives(out.loads[i], more.loads[i]);
   if (out.end != End::kFailed) out.end = more.end, out.status = more.status;
 }
 
@@ -144,23 +146,23 @@ double& number(BodyScene& scene, BodyMotion& motion, const BodyParameter& p) {
 }
 
 BodyGradients gradients(const BodyScene& scene, const BodyMotion& motion, std::span<const BodyParameter> parameters,
-                        const SimulateOptions& options, int most) {
+                        const SimulateOptions& options, int max_peaks) {
   scene.validate(), validate(scene.robot, motion), options.validate();
   for (const BodyParameter& p : parameters) check(p, scene.robot);
-  // A few more than asked for: what is joined is of all runs.
-  const int each = parameters.size() > std::size_t(kAtOnce) ? most + 2 : most;
+  // A few more than requested: only maxima found by all runs are kept.
+  const int peaks_per_run = parameters.size() > std::size_t(kParametersPerRun) ? max_peaks + 2 : max_peaks;
   BodyGradients out;
   std::size_t from = 0;
   do {
-    const std::size_t count = std::min<std::size_t>(kAtOnce, parameters.size() - from);
-    const BodyGradients some = some_gradients(scene, motion, parameters.subspan(from, count), options, each);
+    const std::size_t count = std::min<std::size_t>(kParametersPerRun, parameters.size() - from);
+    const BodyGradients run = gradients_of_run(scene, motion, parameters.subspan(from, count), options, peaks_per_run);
     if (from == 0)
-      out = some;
+      out = run;
     else
-      join(out, some);
+      append_derivatives(out, run);
     from += count;
   } while (from < parameters.size());
-  const std::size_t kept = std::size_t(std::max(1, most));
+  const std::size_t kept = std::size_t(std::max(1, max_peaks));
   const auto cut = [&](std::vector<BodyPeakGradient>& peaks) {
     if (peaks.size() > kept) peaks.resize(kept);
   };

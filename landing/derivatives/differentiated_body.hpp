@@ -14,20 +14,19 @@
 
 namespace ukemi::landing {
 
-/// The numbers of a drop, by their names.
+/// Names of the numbers of a drop.
 inline constexpr std::array kDropNames = {"height", "forward_speed", "pitch", "pitch_rate", "vertical_speed"};
 template <class T>
 std::array<T*, kDropNames.size()> drop_numbers(DropOf<T>& d) {
   return std::array{&d.height, &d.forward_speed, &d.pitch, &d.pitch_rate, &d.vertical_speed};
 }
 
-/// The landing and, in the same mode, the same system in plain doubles, and in scalars that carry the rate along the
-/// motion; an observer is one of follow_with_derivatives.
+/// A Landing of follow_with_derivatives: in Jets and, in the same mode, in doubles and in scalars with time derivative.
 template <int P, Capacity kSize>
 class DifferentiatedBody {
  public:
   using Jet = ceres::Jet<double, P>;
-  using Dual = ceres::Jet<double, 1>;  ///< a value and its rate along the motion
+  using Dual = ceres::Jet<double, 1>;  ///< a value and its time derivative
   using Derivatives = Eigen::Matrix<double, P, 1>;
   using Course = BodyCourse<kSize, false, Jet>;
   using System = typename Course::System;
@@ -42,7 +41,7 @@ class DifferentiatedBody {
                      const SimulateOptions& options)
       : scene_(scene), options_(options), course_(scene, motion), plain_(scene.robot, scene.slope), dual_(plain_) {
     for (std::size_t k = 0; k < parameters.size(); ++k) seed(parameters[k], int(k));
-    course_.system.find_rubbing();
+    course_.system.find_dry_friction();
   }
 
   template <class Observer>
@@ -57,8 +56,7 @@ class DifferentiatedBody {
   const System& system() const { return course_.system; }
   const Plain& plain() const { return plain_; }
   int touchdowns() const { return touchdowns_; }
-  /// What a derivative counts, by slot: those of constants their share, so that the error control sees derivatives of
-  /// one size.
+  /// Scale of each derivative, which is by parameter / unit; relative for constants, for the error control.
   const Eigen::Array<double, P, 1>& unit() const { return unit_; }
 
   static Values values(const State& y) {
@@ -66,14 +64,14 @@ class DifferentiatedBody {
     for (int k = 0; k < System::kStates; ++k) v[k] = value_of(y[k]);
     return v;
   }
-  /// Of the peak's point, with its derivatives at a fixed time.
+  /// Acceleration of the peak point with its derivatives at a fixed time.
   Vec2<Jet> acceleration(const State& y, const State& dy) const { return of_peak(course_.system, y, dy); }
-  /// The same with its rate.
+  /// Acceleration of the peak point with its time derivative.
   Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
     return along_motion(t, y, dy,
                         [](const auto& s, const Dual&, const auto& x, const auto& dx) { return of_peak(s, x, dx); });
   }
-  /// f(system, t, y, dy) in scalars that carry the rate along the motion; `accelerates`: it asks for dy.
+  /// f(system, t, y, dy) in scalars with the time derivative; `accelerates`: f needs dy.
   template <class F>
   auto along_motion(double t, const Values& y, const Values& dy, F&& f, bool accelerates = true) const {
     typename DualSystem::State x, dx;
@@ -84,7 +82,7 @@ class DifferentiatedBody {
   }
   const auto& dual() const { return dual_; }
 
-  // The course, as follow_with_derivatives asks for it.
+  // The course, as required by follow_with_derivatives.
   const SimulateOptions& options() const { return options_; }
   integrate::Options step_options() const {
     return {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step};
@@ -97,20 +95,20 @@ class DifferentiatedBody {
     if (t >= course_.limit())
       return {course_.touched() || !scene_.touches() ? End::kTimeLimit : End::kNoContact, false};
     const bool lands = course_.lands_at(t);
-    if (!lands) course_.advance(t), follow();
+    if (!lands) course_.advance(t), sync_modes();
     return {std::nullopt, lands};
   }
-  void land(const Jet& t, State& y) { course_.land(t), course_.advance(t.a), course_.settle(t.a, y), follow(); }
+  void land(const Jet& t, State& y) { course_.land(t), course_.advance(t.a), course_.settle(t.a, y), sync_modes(); }
   bool cross(int event, const Jet& t, State& y) {
     const bool first = !course_.touched();
     const typename Course::Crossing crossing = course_.cross(event, t, y);
     touchdowns_ += crossing.touched >= 0;
     if (crossing.lands) course_.land(t);
-    course_.settle(t.a, y), follow();
+    course_.settle(t.a, y), sync_modes();
     return first && crossing.touched >= 0;
   }
   bool rests(double t, const Values& y, double square) const {
-    return course_.touched() && !course_.waits() && at_rest(plain_, t, y, square, impact_energy(plain_));
+    return course_.touched() && !course_.detecting() && at_rest(plain_, t, y, square, impact_energy(plain_));
   }
 
  private:
@@ -118,10 +116,10 @@ class DifferentiatedBody {
   static auto of_peak(const Any& s, const typename Any::State& y, const typename Any::State& dy) {
     return landing::acceleration(s.body.peak, s.pose(y), s.accelerations_of(dy), s.body.bodies);
   }
-  void follow() { plain_.follow(course_.system), dual_.follow(course_.system); }
+  void sync_modes() { plain_.copy_mode(course_.system), dual_.copy_mode(course_.system); }
 
-  void set(Jet& x, int slot, bool by_share) {
-    if (by_share && x.a != 0) unit_[slot] = std::abs(x.a);
+  void set(Jet& x, int slot, bool relative) {
+    if (relative && x.a != 0) unit_[slot] = std::abs(x.a);
     x.v[slot] = unit_[slot];
   }
   void seed(const BodyParameter& p, int slot) {
@@ -142,7 +140,7 @@ class DifferentiatedBody {
       case BodyParameter::Of::kContact: {
         if (p.index >= course_.system.body.contacts) break;
         ContactConstants<Jet>& c = course_.system.point[std::size_t(p.index)];
-        // As kContactKeys.
+        // In the order of kContactKeys.
         set(*std::array{&c.k, &c.c, &c.c_t, &c.k_t, &c.mu, &c.p, &c.dissipation, &c.k_pad, &c.c_pad,
                         &c.thickness}[std::size_t(p.which)],
             slot, true);
@@ -153,17 +151,17 @@ class DifferentiatedBody {
     Jet none(0);
     set(*motion_numbers(m, none)[std::size_t(which)], slot, false);
   }
-  /// A geared motor's inertia turns with the links.
+  /// The inertia of a geared motor is also in the mass matrix.
   void seed_drive(int i, int which, int slot) {
     const auto at = actuator_constants()[std::size_t(which)].at;
     auto& drive = course_.system.drive[std::size_t(i)];
     const SeaParameters<double>& plain = course_.joint_of(i).sea;
-    drive.extended = true;  // derivatives by a friction that is 0 too; see find_rubbing
+    drive.extended = true;  // includes derivatives by friction of 0, see find_dry_friction
     SeaParameters<Jet>::for_each(drive.sea, plain, [&](Jet& x, const double& of) {
       if (&of == &(plain.*at)) set(x, slot, true);
     });
     if (at != &SeaParameters<double>::i_motor || drive.kind != DriveKind::kGeared) return;
-    const JointPlace& joint = course_.system.body.joint[std::size_t(i)];
+    const TreeJoint& joint = course_.system.body.joint[std::size_t(i)];
     auto& n = course_.system.body.n;
     const auto child = std::size_t(joint.child), parent = std::size_t(joint.parent);
     n[child][child].v[slot] += unit_[slot];

@@ -1,5 +1,4 @@
-// One landing of the paper's robot in scalars with P derivatives. Private to landing's sources that compile it
-// (gradient.cpp, drop_rollout.cpp).
+// One landing of the paper's robot in scalars with P derivatives. Private to gradient.cpp and drop_rollout.cpp.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +13,7 @@
 
 namespace ukemi::landing {
 
-/// The landing and, in the same mode, the same system in plain doubles for all that asks for values alone; an observer
-/// is one of follow_with_derivatives.
+/// The landing in Jets and, in the same mode, the system in doubles; a Landing of follow_with_derivatives.
 template <int P, LandingTerms kTerms>
 class DifferentiatedLanding {
  public:
@@ -26,7 +24,7 @@ class DifferentiatedLanding {
   using State = typename System::State;
   using Values = typename Plain::State;
   using Driver = integrate::Integrator<integrate::DormandPrince853, System>;
-  using Dual = ceres::Jet<double, 1>;  ///< a value and its rate along the motion
+  using Dual = ceres::Jet<double, 1>;  ///< a value and its time derivative
 
   using Outcome = DifferentiatedOutcome;
 
@@ -40,7 +38,7 @@ class DifferentiatedLanding {
         system_(scene.robot, seed_(scene.floor.value_or(Floor<double>{1, 0, 0})), seed_(sea), motion_),
         plain_(scene, sea, m),
         plain_motion_(m),
-        schedule_(scene, m, true) {  // played even where phi_I = phi_F: the derivatives need it
+        schedule_(scene, m, true) {  // moving even if phi_I = phi_F, for the derivatives
     system_.present = plain_.present;
   }
 
@@ -51,7 +49,7 @@ class DifferentiatedLanding {
       observer.flight(*this, y, schedule_.start());
       fly(system_, scene_, schedule_.start(), y);
     }
-    if (schedule_.flies_on()) return {.t_end = schedule_.start(), .end = End::kNoContact, .work = {}};
+    if (schedule_.ends_in_flight()) return {.t_end = schedule_.start(), .end = End::kNoContact, .work = {}};
     return follow_with_derivatives(*this, schedule_.start(), y, observer);
   }
 
@@ -59,7 +57,7 @@ class DifferentiatedLanding {
   const System& system() const { return system_; }
   const Plain& plain() const { return plain_; }
   const ContactOrder& contacts() const { return contacts_; }
-  /// What a derivative counts, by slot.
+  /// Scale of each derivative: it is by parameter / unit.
   const Eigen::Array<double, P, 1>& unit() const { return seed_.unit(); }
 
   static Values values(const State& y) {
@@ -71,7 +69,7 @@ class DifferentiatedLanding {
   Vec2<Jet> acceleration(const State& y, const State& dy) const {
     return thigh_acceleration(system_.link, system_.pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]});
   }
-  /// ddr_0 with its rate.
+  /// ddr_0 with its time derivative.
   Vec2<Dual> acceleration_rate(double t, const Values& y, const Values& dy) const {
     const LandingSystem<kTerms, false, Dual, double> dual(plain_);
     Eigen::Matrix<Dual, System::kStates, 1> x, dx;
@@ -82,7 +80,7 @@ class DifferentiatedLanding {
 
   int touchdowns() const { return contacts_.size(); }
 
-  // The course, as follow_with_derivatives asks for it.
+  // The course, as required by follow_with_derivatives.
   const SimulateOptions& options() const { return options_; }
   integrate::Options step_options() const {
     return {.accuracy = step_accuracy(options_.accuracy, plain_.sea),
@@ -90,11 +88,11 @@ class DifferentiatedLanding {
             .max_step = options_.max_step};
   }
   void open(double t, const State& y) {
-    change(schedule_.opening(system_), Jet(t));
-    system_.settle(t, y), follow();
+    change(schedule_.initial_change(system_), Jet(t));
+    system_.settle(t, y), sync_modes();
   }
   double longest_step() const {
-    return system_.phase == Phase::kMoving ? schedule_.motion_part() : std::numeric_limits<double>::infinity();
+    return system_.phase == Phase::kMoving ? schedule_.motion_max_step() : std::numeric_limits<double>::infinity();
   }
   double stop() const { return schedule_.stop(); }
   bool end_moves() const { return !schedule_.fixed_end(); }
@@ -106,20 +104,20 @@ class DifferentiatedLanding {
   }
   void land(const Jet& t, State& y) {
     change(ReferenceChange::kLand, t);
-    system_.settle(-1, t.a, y), follow();
+    system_.settle(-1, t.a, y), sync_modes();
   }
   bool cross(int event, const Jet& t, State& y) {
     const Schedule::Crossing crossing = schedule_.cross(event, t.a, system_, Limits(), contacts_);
     change(crossing.change, t);
-    system_.settle(event, t.a, y), follow();
+    system_.settle(event, t.a, y), sync_modes();
     return crossing.first;
   }
   bool rests(double, const Values& y, double square) const { return at_rest(plain_, y, square, impact_energy(plain_)); }
 
  private:
-  void follow() { static_cast<Mode&>(plain_) = system_; }
+  void sync_modes() { static_cast<Mode&>(plain_) = system_; }
   void change(ReferenceChange to, const Jet& t) {
-    follow();
+    sync_modes();
     system_.change(to, motion_, t);
     plain_.change(to, plain_motion_, t.a);
   }
@@ -135,7 +133,7 @@ class DifferentiatedLanding {
   ContactOrder contacts_;
 };
 
-/// f<the terms of the kernel that an actuator needs>().
+/// Calls f<kTerms>() with the terms of the kernel for an actuator.
 template <class F>
 auto with_terms(const SeaParameters<double>& sea, F&& f) {
   if (is_late(sea)) return f.template operator()<kLateTerms>();

@@ -18,7 +18,7 @@
 
 namespace ukemi::landing {
 
-/// What a landing may be differentiated by; the motion comes first, so that its gradient is the head of the whole one.
+/// Parameters of derivatives; those of the motion come first, so that its gradient is the head of the full one.
 enum class Parameter {
   kPhiI,               ///< [rad]
   kPhiF,               ///< [rad]
@@ -27,9 +27,9 @@ enum class Parameter {
   kBump1,              ///< [rad]
   kBump2,              ///< [rad]
   kBump3,              ///< [rad]
-  kGainP,              ///< of the motion, a factor
-  kGainD,              ///< of the motion, a factor
-  kTo,                 ///< the end of the move in the air [s]
+  kGainP,              ///< factor of K_p in the motion
+  kGainD,              ///< factor of K_d in the motion
+  kTo,                 ///< end of the move in the air [s]
   kHeight,             ///< [m]
   kForwardSpeed,       ///< [m/s]
   kPitch,              ///< [rad]
@@ -42,7 +42,7 @@ enum class Parameter {
   kCSea,               ///< [Nm/(rad/s)]
   kIMotor,             ///< [kg m^2]
 };
-/// Of the quintic of Eq. 6; of a motion with all that it may have; of Parameter.
+/// Numbers of parameters of Eq. 6; of a motion with all its variables; of Parameter.
 inline constexpr int kQuinticParameters = int(Parameter::kBump0), kMotionParameters = int(Parameter::kHeight),
                      kParameters = int(Parameter::kIMotor) + 1;
 static_assert(kQuinticParameters == kBumpSlot && kMotionParameters == kMotionNumbers, "as motion_numbers()");
@@ -55,33 +55,34 @@ struct PeakGradient {
   double value;                   ///< [m/s^2]
   Eigen::Matrix<double, P, 1> d;  ///< by each parameter [m/s^2 per unit]
   PeakKind kind;
-  int contact;  ///< which touchdown came last before it, see LandingPeak::peak_contact
+  int contact;  ///< last touchdown before it, see LandingPeak::peak_contact
 };
 
 /// The local maxima of one landing.
 template <int P>
 struct PeakGradients {
   std::vector<PeakGradient<P>> peaks;  ///< the largest first; the first is f
-  double t_end = 0;                    ///< how long the run was followed, from release [s]
+  double t_end = 0;                    ///< end of the run, from release [s]
   End end = End::kFailed;
-  integrate::Status status = integrate::Status::kStepped;  ///< with kFailed; an event met at no speed: kNotFinite
+  integrate::Status status = integrate::Status::kStepped;  ///< with kFailed; kNotFinite: an event at zero rate
   integrate::Counters work;
 };
 
-/// The `most` largest local maxima with their gradients by the three numbers of Eq. 6. Of the options, accuracy,
-/// max_step, max_steps rest and over count: a run is never abandoned and knows no limits. A run that fails is a status;
-/// what was found until then is kept. Throws InputError as peak_acceleration does.
+/// The `max_peaks` largest local maxima with their gradients by the three numbers of Eq. 6. Uses of the options
+/// accuracy, max_step, max_steps, rest and over: a run is never abandoned and has no limits. A failed run is reported
+/// in `status`, with the peaks found so far. Throws InputError as peak_acceleration does.
 [[nodiscard]] PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                               const Motion& motion, const SimulateOptions& options,
-                                                              int most);
+                                                              int max_peaks);
 
-/// The same by all that a motion is made of; by `to` 0 where nothing moves in the air.
+/// The same by all numbers of a motion; derivatives by `to` are 0 without a move in the air.
 [[nodiscard]] PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                             const Motion& motion, const SimulateOptions& options,
-                                                            int most);
+                                                            int max_peaks);
 
-/// The same by all of Parameter. Without a floor, derivatives by its constants are 0.
+/// The same by all of Parameter; derivatives by the constants of an absent floor are 0.
 [[nodiscard]] PeakGradients<kParameters> all_gradients(const Scene& scene, const SeaParameters<double>& sea,
-                                                       const Motion& motion, const SimulateOptions& options, int most);
+                                                       const Motion& motion, const SimulateOptions& options,
+                                                       int max_peaks);
 
 }  // namespace ukemi::landing

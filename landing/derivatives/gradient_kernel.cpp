@@ -8,7 +8,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Of a run in the units of its derivatives, as many as there are parameters.
+/// Peaks with derivatives by the parameters, from those by scaled ones.
 template <class Peaks, class Unit>
 std::vector<BodyPeakGradient> in_units(const Peaks& peaks, const Unit& unit, std::size_t parameters) {
   std::vector<BodyPeakGradient> out;
@@ -21,22 +21,23 @@ std::vector<BodyPeakGradient> in_units(const Peaks& peaks, const Unit& unit, std
 
 template <Capacity kSize>
 BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& motion,
-                                  std::span<const BodyParameter> parameters, const SimulateOptions& options, int most) {
-  using Differentiated = DifferentiatedBody<kAtOnce, kSize>;
+                                  std::span<const BodyParameter> parameters, const SimulateOptions& options,
+                                  int max_peaks) {
+  using Differentiated = DifferentiatedBody<kParametersPerRun, kSize>;
   Differentiated landing(scene, motion, parameters, options);
-  const auto told = [](const DifferentiatedOutcome& o) {
+  const auto outcome_of = [](const DifferentiatedOutcome& o) {
     return BodyGradients{.t_end = o.t_end, .end = o.end, .status = o.status};
   };
   const std::size_t n = parameters.size();
   if (scene.loads.empty()) {
-    PeakObserver<Differentiated> observer(most);
-    BodyGradients out = told(landing.run(observer));
+    PeakObserver<Differentiated> observer(max_peaks);
+    BodyGradients out = outcome_of(landing.run(observer));
     out.peaks = in_units(observer.peaks, landing.unit(), n);
     return out;
   }
-  LoadPeaks<Differentiated> observer(scene, most);
-  BodyGradients out = told(landing.run(observer));
-  out.peaks = in_units(observer.own.peaks, landing.unit(), n);
+  LoadPeaks<Differentiated> observer(scene, max_peaks);
+  BodyGradients out = outcome_of(landing.run(observer));
+  out.peaks = in_units(observer.peak.peaks, landing.unit(), n);
   for (std::size_t i = 0; i < scene.loads.size(); ++i)
     out.loads.push_back(in_units(observer.peaks(i), landing.unit(), n));
   return out;

@@ -1,4 +1,4 @@
-// A landing with its derivatives by one kernel. Instantiated for each in gradient_kernel.cpp; private to landing.
+// Gradients of a landing with one kernel. Instantiated for each kernel in gradient_kernel.cpp; private to landing.
 #pragma once
 
 #include "landing/body/equations.hpp"
@@ -6,12 +6,13 @@
 
 namespace ukemi::landing {
 
-/// Parameters of one run.
-inline constexpr int kAtOnce = 8;
+/// Maximum number of parameters of one run.
+inline constexpr int kParametersPerRun = 8;
 
-/// Of at most kAtOnce parameters.
+/// See gradients(); at most kParametersPerRun parameters.
 template <Capacity kSize>
 BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& motion,
-                                  std::span<const BodyParameter> parameters, const SimulateOptions& options, int most);
+                                  std::span<const BodyParameter> parameters, const SimulateOptions& options,
+                                  int max_peaks);
 
 }  // namespace ukemi::landing

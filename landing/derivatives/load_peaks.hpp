@@ -1,5 +1,4 @@
-// The local maxima of every load of a landing and their derivatives, beside those of the acceleration that counts.
-// Included by gradient_kernel.cpp alone.
+// The local maxima of the peak acceleration and of every load, with derivatives. Included only by gradient_kernel.cpp.
 #pragma once
 
 #include <array>
@@ -12,13 +11,13 @@
 
 namespace ukemi::landing {
 
-/// What is largest: a load that has its value at every state.
+/// A load that is a function of the state, as quantity of PeakObserver.
 template <class Landing>
-class OfLoad {
+class LoadQuantity {
  public:
   using Jet = typename Landing::Jet;
-  OfLoad(const Load& load, const Landing& l) : jet_(load, l.system()), dual_(load, l.dual()) {
-    dual_.take_arms(jet_, [](auto& to, const Jet& from) { to = typename Landing::Dual(from.a); });
+  LoadQuantity(const Load& load, const Landing& l) : jet_(load, l.system()), dual_(load, l.dual()) {
+    dual_.copy_arms(jet_, [](auto& to, const Jet& from) { to = typename Landing::Dual(from.a); });
   }
   Square square(const Landing& l, double t, const typename Landing::Values& y,
                 const typename Landing::Values& dy) const {
@@ -39,7 +38,7 @@ class OfLoad {
   LoadValue<typename Landing::DualSystem> dual_;
 };
 
-/// The impulse of each touch of a contact: the integral of its force from one moving time to another.
+/// The impulse of each touch of a contact: the integral of its force, with the derivatives of its moving bounds.
 template <class Landing>
 class ImpulseObserver {
   using Jet = typename Landing::Jet;
@@ -47,32 +46,32 @@ class ImpulseObserver {
   using State = typename Landing::State;
 
  public:
-  ImpulseObserver(int contact, int most) : contact_(contact), most_(std::size_t(std::max(1, most))) {}
+  ImpulseObserver(int contact, int max_peaks) : contact_(contact), max_peaks_(std::size_t(std::max(1, max_peaks))) {}
   template <class Driver>
   void step(const Landing& l, Driver& driver) {
-    if (!down_) return;
+    if (!touching_) return;
     const auto& step = driver.step();
     for (const auto& [at, weight] : kImpulseNodes) sum_ += Jet(weight * step.h) * force(l, driver.dense().at(at));
   }
-  void before(const Landing& l, const State& y, const Derivatives& shift) {
-    if (down_) move(l, y, shift);
+  void before_event(const Landing& l, const State& y, const Derivatives& shift) {
+    if (touching_) move_bound(l, y, shift);
   }
   void after_event(const Landing& l, double t, const State& y, const Derivatives& shift) {
     const bool touching = l.system().contact[std::size_t(contact_)].touching;
-    if (touching && !down_) sum_.setConstant(Jet(0)), down_ = true;
+    if (touching && !touching_) sum_.setConstant(Jet(0)), touching_ = true;
     if (!touching) finish(t);
-    if (down_) move(l, y, -shift);
+    if (touching_) move_bound(l, y, -shift);
   }
   void finish(double t) {
-    if (!down_) return;
-    down_ = false;
+    if (!touching_) return;
+    touching_ = false;
     using std::sqrt;
     const Jet q = sum_.squaredNorm();
     if (!(q.a > 0)) return;
     const Jet v = sqrt(q);
-    keep_largest(peaks, {t, v.a, v.v, PeakKind::kLeftLimit, contact_}, most_);
+    keep_largest(peaks, {t, v.a, v.v, PeakKind::kLeftLimit, contact_}, max_peaks_);
   }
-  bool down() const { return down_; }
+  bool touching() const { return touching_; }
 
   std::vector<PeakGradient<Jet::DIMENSION>> peaks;
 
@@ -80,93 +79,93 @@ class ImpulseObserver {
   Vec2<Jet> force(const Landing& l, const State& y) const {
     return contact_force(l.system(), contact_, l.system().pose(y), y);
   }
-  /// An end of the integral that moves by `shift`.
-  void move(const Landing& l, const State& y, const Derivatives& shift) {
+  /// Adds the derivative of a bound of the integral that moves by `shift`.
+  void move_bound(const Landing& l, const State& y, const Derivatives& shift) {
     const Vec2<Jet> f = force(l, y);
     for (int k : {0, 1}) sum_[k].v += f[k].a * shift;
   }
 
   int contact_;
-  std::size_t most_;
-  bool down_ = false;
+  std::size_t max_peaks_;
+  bool touching_ = false;
   Vec2<Jet> sum_ = Vec2<Jet>(Jet(0), Jet(0));
 };
 
-/// An observer of follow_with_derivatives: of the acceleration that counts and of every load of the scene.
+/// An observer of follow_with_derivatives for the peak point's acceleration and every load of the scene.
 template <class Landing>
 class LoadPeaks {
   using Jet = typename Landing::Jet;
   using Derivatives = typename Landing::Derivatives;
   using State = typename Landing::State;
   using Driver = typename Landing::Driver;
-  using Values = PeakObserver<Landing, OfLoad<Landing>>;
+  using Values = PeakObserver<Landing, LoadQuantity<Landing>>;
 
  public:
-  LoadPeaks(const BodyScene& scene, int most) : scene_(scene), most_(most), own(most) {}
+  LoadPeaks(const BodyScene& scene, int max_peaks) : scene_(scene), max_peaks_(max_peaks), peak(max_peaks) {}
 
   void begin(const Landing& l, double t, const State& y) {
     for (const Load& load : scene_.loads) {
-      Item x{&load, {}, {}};
+      LoadItem x{&load, {}, {}};
       if (load.kind == Load::Kind::kImpulse)
-        x.impulse.emplace(load.index, most_);
-      else if (load.kind != Load::Kind::kTouch && !landing::own(load, scene_.robot))
-        x.values.emplace(most_, OfLoad<Landing>(load, l));
+        x.impulse.emplace(load.index, max_peaks_);
+      else if (load.kind != Load::Kind::kTouch && !landing::is_peak_acceleration(load, scene_.robot))
+        x.values.emplace(max_peaks_, LoadQuantity<Landing>(load, l));
       items_.push_back(std::move(x));
     }
-    own.begin(l, t, y);
-    for (Item& x : items_)
+    peak.begin(l, t, y);
+    for (LoadItem& x : items_)
       if (x.values) x.values->begin(l, t, y);
   }
   void step(const Landing& l, Driver& driver) {
-    own.step(l, driver);
-    for (Item& x : items_) {
+    peak.step(l, driver);
+    for (LoadItem& x : items_) {
       if (x.values) x.values->step(l, driver);
       if (x.impulse) x.impulse->step(l, driver);
     }
   }
-  void before(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
-    own.before(l, t, y, dy, shift);
-    for (Item& x : items_) {
-      if (x.values) x.values->before(l, t, y, dy, shift);
-      if (x.impulse) x.impulse->before(l, y, shift);
+  void before_event(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
+    peak.before_event(l, t, y, dy, shift);
+    for (LoadItem& x : items_) {
+      if (x.values) x.values->before_event(l, t, y, dy, shift);
+      if (x.impulse) x.impulse->before_event(l, y, shift);
     }
   }
   void after_event(const Landing& l, double t, const State& y, const Derivatives& shift, int event) {
-    own.after_event(l, t, y, shift, event);
-    for (Item& x : items_) {
+    peak.after_event(l, t, y, shift, event);
+    for (LoadItem& x : items_) {
       if (x.values) x.values->after_event(l, t, y, shift, event);
       if (x.impulse) x.impulse->after_event(l, t, y, shift);
     }
   }
-  void cut(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
+  void time_limit(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
     end_ = t;
-    own.cut(l, t, y, dy, shift);
-    for (Item& x : items_) {
-      if (x.values) x.values->cut(l, t, y, dy, shift);
-      if (x.impulse) x.impulse->before(l, y, shift);
+    peak.time_limit(l, t, y, dy, shift);
+    for (LoadItem& x : items_) {
+      if (x.values) x.values->time_limit(l, t, y, dy, shift);
+      if (x.impulse) x.impulse->before_event(l, y, shift);
     }
   }
   void finish(const Landing& l) {
-    own.finish(l);
-    for (Item& x : items_) {
+    peak.finish(l);
+    for (LoadItem& x : items_) {
       if (x.values) x.values->finish(l);
       if (x.impulse) x.impulse->finish(end_);
     }
   }
   /// As LoadObserver::rest_square.
   double running() const {
-    RestSquare out(own.running());
-    for (const Item& x : items_) {
-      if (x.impulse && x.impulse->down()) return -1;
-      if (x.values) out.add(x.load->kind, large_square(*x.load, x.values->running()), x.values->last());
+    RestSquare out(peak.running());
+    for (const LoadItem& x : items_) {
+      if (x.impulse && x.impulse->touching()) return -1;
+      if (x.values) out.add(x.load->kind, reference_square(*x.load, x.values->running()), x.values->last());
     }
     return out.value();
   }
-  /// Of a load: the largest values first; of a touch none.
+  /// Maxima of a load, the largest first; none for touches.
   std::vector<PeakGradient<Jet::DIMENSION>> peaks(std::size_t load) const {
-    const Item& x = items_[load];
+    const LoadItem& x = items_[load];
     if (x.impulse) return x.impulse->peaks;
-    if (landing::own(*x.load, scene_.robot)) return own.peaks;
+    if (landing::is_peak_acceleration(*x.load, scene_.robot)) return peak.peaks;
     if (!x.values) return {};
     auto out = x.values->peaks;
     for (auto& p : out) p.value -= half_range(*x.load);
@@ -175,18 +174,18 @@ class LoadPeaks {
   }
 
  private:
-  struct Item {
+  struct LoadItem {
     const Load* load;
     std::optional<Values> values;
     std::optional<ImpulseObserver<Landing>> impulse;
   };
   const BodyScene& scene_;
-  int most_;
+  int max_peaks_;
   double end_ = 0;
-  std::vector<Item> items_;
+  std::vector<LoadItem> items_;
 
  public:
-  PeakObserver<Landing> own;
+  PeakObserver<Landing> peak;
 };
 
 }  // namespace ukemi::landing

@@ -1,4 +1,4 @@
-// The local maxima of |ddr_0| of a landing and their derivatives, see gradient.hpp for the law. Of any robot.
+// The local maxima of |ddr_0| of a landing of any robot and their derivatives; for the method see gradient.hpp.
 #pragma once
 
 #include <algorithm>
@@ -15,16 +15,16 @@ struct Square {
   double value, rate;
 };
 
-/// Adds a maximum to the largest so many, the largest first.
+/// Inserts a maximum into the list of the max_count largest, largest first.
 template <int P>
-void keep_largest(std::vector<PeakGradient<P>>& peaks, const PeakGradient<P>& p, std::size_t most) {
+void keep_largest(std::vector<PeakGradient<P>>& peaks, const PeakGradient<P>& p, std::size_t max_count) {
   peaks.insert(std::find_if(peaks.begin(), peaks.end(), [&](const auto& other) { return other.value < p.value; }), p);
-  if (peaks.size() > most) peaks.pop_back();
+  if (peaks.size() > max_count) peaks.pop_back();
 }
 
-/// What is largest: |ddr_0|.
+/// The quantity |ddr_0| for PeakObserver.
 template <class Landing>
-struct OfAcceleration {
+struct AccelerationQuantity {
   using Jet = typename Landing::Jet;
   static Square square(const Landing& l, double t, const typename Landing::Values& y,
                        const typename Landing::Values& dy) {
@@ -40,9 +40,8 @@ struct OfAcceleration {
   }
 };
 
-/// Collects the local maxima of |ddr_0| of a landing in scalars with derivatives, or of another `Of`; it is an observer
-/// of follow_with_derivatives.
-template <class Landing, class Of = OfAcceleration<Landing>>
+/// An observer of follow_with_derivatives that collects the local maxima of |ddr_0|, or of another quantity.
+template <class Landing, class Quantity = AccelerationQuantity<Landing>>
 class PeakObserver {
   using Jet = typename Landing::Jet;
   using Derivatives = typename Landing::Derivatives;
@@ -59,7 +58,8 @@ class PeakObserver {
   };
 
  public:
-  explicit PeakObserver(int most, Of of = {}) : most_(std::size_t(std::max(1, most))), of_(std::move(of)) {}
+  explicit PeakObserver(int max_peaks, Quantity quantity = {})
+      : max_peaks_(std::size_t(std::max(1, max_peaks))), quantity_(std::move(quantity)) {}
 
   void flight(const Landing& l, const State&, double) {
     const double g = l.scene().robot.gravity;
@@ -67,63 +67,65 @@ class PeakObserver {
     before_ = {0, -1, {running_ = g * g, 0}, Jet(g)};
   }
   void begin(const Landing& l, double t, const State& y) {
-    behind_ = limit_of(l, t, y, l.system().derivative(t, y), Derivatives::Zero());
-    last_ = behind_.square;
+    after_ = limit_at(l, t, y, l.system().derivative(t, y), Derivatives::Zero());
+    last_ = after_.square;
   }
   void step(const Landing& l, Driver& driver) {
-    join();
+    check_event_limits();
     scan(l, driver);
   }
-  void before(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
-    if (!joint_) before_ = limit_of(l, t, y, dy, shift), joint_ = true;
+  void before_event(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
+    if (!at_event_) before_ = limit_at(l, t, y, dy, shift), at_event_ = true;
   }
   void after_event(const Landing& l, double t, const State& y, const Derivatives& shift, int) {
-    behind_ = limit_of(l, t, y, l.system().derivative(t, y), shift);
-    last_ = behind_.square;
+    after_ = limit_at(l, t, y, l.system().derivative(t, y), shift);
+    last_ = after_.square;
     running_ = std::max(running_, last_.value);
   }
-  void cut(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
-    if (last_.rate > 0) add(limit_of(l, t, y, dy, shift), PeakKind::kLeftLimit);
+  void time_limit(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) {
+    if (last_.rate > 0) add(limit_at(l, t, y, dy, shift), PeakKind::kLeftLimit);
   }
-  void finish(const Landing&) { join(); }
+  void finish(const Landing&) { check_event_limits(); }
   double running() const { return running_; }
   double last() const { return last_.value; }  ///< at the end of the last step, squared
 
-  std::vector<PeakGradient<Jet::DIMENSION>> peaks;  ///< the largest first; derivatives by the landing's units
+  std::vector<PeakGradient<Jet::DIMENSION>> peaks;  ///< the largest first; derivatives by scaled parameters, see unit()
 
  private:
-  Square square(const Landing& l, double t, const Values& y, const Values& dy) const { return of_.square(l, t, y, dy); }
+  Square square(const Landing& l, double t, const Values& y, const Values& dy) const {
+    return quantity_.square(l, t, y, dy);
+  }
 
-  /// The limit at a state on the side of the present mode; its time moves by `shift`.
-  Limit limit_of(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) const {
+  /// The one-sided limit at a state in the present mode; `shift`: derivative of its time.
+  Limit limit_at(const Landing& l, double t, const State& y, const State& dy, const Derivatives& shift) const {
     const Square q = square(l, t, Landing::values(y), Landing::values(dy));
-    Jet a = of_.magnitude(l, t, y, dy);
+    Jet a = quantity_.magnitude(l, t, y, dy);
     if (a.a > 0) a.v += 0.5 * q.rate / a.a * shift;
     return {t, l.touchdowns() - 1, q, a};
   }
 
-  /// Before the first step behind an instant's events: is one of its limits, or the instant itself, a maximum?
-  void join() {
-    if (!joint_) return;
-    joint_ = false;
-    constexpr double kJump = 1e-9;  // relative: below it |ddr_0| is continuous and only its rate jumps
-    const Square &a = before_.square, &b = behind_.square;
-    const double jump = b.value - a.value, least = kJump * std::max(a.value, b.value);
-    if (jump < -least) {
+  /// After the events of an instant: adds one of its one-sided limits if it is a maximum.
+  void check_event_limits() {
+    if (!at_event_) return;
+    at_event_ = false;
+    constexpr double kJump = 1e-9;  // relative: below it |ddr_0| counts as continuous
+    const Square &a = before_.square, &b = after_.square;
+    const double jump = b.value - a.value, threshold = kJump * std::max(a.value, b.value);
+    if (jump < -threshold) {
       if (a.rate > 0) add(before_, PeakKind::kLeftLimit);
-    } else if (b.rate <= 0 && (jump > least || a.rate > 0)) {
-      add(behind_, PeakKind::kRightLimit);
+    } else if (b.rate <= 0 && (jump > threshold || a.rate > 0)) {
+      add(after_, PeakKind::kRightLimit);
     }
   }
 
-  /// The maxima inside the step just taken: where the rate falls through zero.
+  /// Adds the maxima inside the last step, where the rate falls through zero.
   void scan(const Landing& l, Driver& driver) {
     const auto& step = driver.step();
     const Square start = last_;
     last_ = square(l, driver.time(), Landing::values(driver.state()), Landing::values(driver.slope()));
     running_ = std::max(running_, last_.value);
-    constexpr double kDoubles = 4;  // a resolved step that holds a maximum ends above a quarter of it
-    if (kDoubles * kDoubles * std::max(start.value, last_.value) < least_square()) return;
+    constexpr double kMaxGrowth = 4;  // a resolved step with a maximum has an end above a quarter of it
+    if (kMaxGrowth * kMaxGrowth * std::max(start.value, last_.value) < threshold_square()) return;
     const auto at = [&](double s) {
       const Values y = Landing::values(driver.dense().at(s));
       const double t = step.t + s * step.h;
@@ -140,26 +142,26 @@ class PeakObserver {
             sa, left.rate, sb, right.rate, [&](double x) { return at(x).rate; }, kResolution);
         const State y = driver.dense().at(s);
         const double t = step.t + s * step.h;
-        add(t, of_.magnitude(l, t, y, l.system().derivative(t, y)), PeakKind::kInside, l.touchdowns() - 1);
+        add(t, quantity_.magnitude(l, t, y, l.system().derivative(t, y)), PeakKind::kInside, l.touchdowns() - 1);
       }
       left = right;
     }
   }
 
-  /// What a further maximum must exceed, squared.
-  double least_square() const { return peaks.size() < most_ ? 0 : peaks.back().value * peaks.back().value; }
+  /// The square that a further maximum must exceed.
+  double threshold_square() const { return peaks.size() < max_peaks_ ? 0 : peaks.back().value * peaks.back().value; }
   void add(const Limit& limit, PeakKind kind) { add(limit.t, limit.acceleration, kind, limit.contact); }
   void add(double t, const Jet& a, PeakKind kind, int contact) {
     running_ = std::max(running_, a.a * a.a);
-    keep_largest(peaks, {t, a.a, a.v, kind, contact}, most_);
+    keep_largest(peaks, {t, a.a, a.v, kind, contact}, max_peaks_);
   }
 
-  std::size_t most_;
-  Of of_;
-  double running_ = 0;  ///< the running peak, squared
-  Square last_{0, 0};   ///< at the end of the last step, or behind the last event
-  bool joint_ = true;   ///< events, or the release, stand between the last step and the next
-  Limit before_{0, -1, {0, 0}, Jet(0)}, behind_{};  ///< the limits at that instant
+  std::size_t max_peaks_;
+  Quantity quantity_;
+  double running_ = 0;                             ///< the running peak, squared
+  Square last_{0, 0};                              ///< at the end of the last step, or after the last event
+  bool at_event_ = true;                           ///< events, or the release, lie between the last step and the next
+  Limit before_{0, -1, {0, 0}, Jet(0)}, after_{};  ///< the one-sided limits at that instant
 };
 
 }  // namespace ukemi::landing

@@ -8,8 +8,8 @@
 
 namespace ukemi::landing {
 
-/// Turns P of Parameter, from `first` on, into scalars that carry derivatives. Constants of the floor and the actuator
-/// are differentiated by their share, so that the error control sees derivatives of one size.
+/// Seeds P parameters from `first` on with derivatives. Those by constants of the floor and the actuator are relative,
+/// so that the error control sees derivatives of similar size.
 template <int P>
 class Seeds {
  public:
@@ -26,7 +26,7 @@ class Seeds {
   MotionOf<Jet> operator()(const Motion& m) {
     MotionOf<Jet> out{(*this)(m.phi_i, Parameter::kPhiI), (*this)(m.phi_f, Parameter::kPhiF),
                       (*this)(m.duration, Parameter::kDuration)};
-    for (std::size_t k = 0; k < kMostBumps; ++k)
+    for (std::size_t k = 0; k < kMaxBumps; ++k)
       out.bumps[k] = (*this)(m.bumps[k], Parameter(int(Parameter::kBump0) + int(k)));
     out.gain_p = (*this)(m.gain_p, Parameter::kGainP), out.gain_d = (*this)(m.gain_d, Parameter::kGainD);
     if (const auto& r = m.reposition)
@@ -48,7 +48,7 @@ class Seeds {
     s.i_motor = (*this)(sea.i_motor, Parameter::kIMotor);
     return s;
   }
-  /// What a derivative counts, by slot.
+  /// Scale of each derivative: it is by parameter / unit.
   const Eigen::Array<double, P, 1>& unit() const { return unit_; }
 
  private:

@@ -1,13 +1,13 @@
-// When a contact of a driven robot touches its surface.
+// Touchdowns and lift-offs of a driven robot.
 #pragma once
 
 namespace ukemi::landing {
 
-/// A contact that touches its surface or leaves it.
+/// A touchdown or lift-off of a contact.
 struct ContactChange {
   double t;      ///< [s]
   int contact;   ///< of Robot::contacts
-  bool touches;  ///< else it leaves
+  bool touches;  ///< touchdown; else lift-off
 };
 
 }  // namespace ukemi::landing

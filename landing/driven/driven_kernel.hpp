@@ -1,4 +1,4 @@
-// A driven robot by one kernel. Instantiated for each in driven_kernel.cpp; private to landing.
+// Rollouts of a driven robot with one kernel. Instantiated for each kernel in driven_kernel.cpp; private to landing.
 #pragma once
 
 #include "landing/body/equations.hpp"
@@ -10,7 +10,7 @@ namespace ukemi::landing {
 template <Capacity kSize>
 double stable_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
                         const DrivenStart& start);
-/// See roll_driven; the options name the step.
+/// See roll_driven; options.step > 0.
 template <Capacity kSize>
 DrivenRollout roll_in_kernel(const Robot& robot, const CommandPath& path, const Commands& commands,
                              const DrivenStart& start, const std::vector<double>& times, const DrivenOptions& options);

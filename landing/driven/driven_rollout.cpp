@@ -24,7 +24,7 @@ void check(const Commands& commands, const Robot& robot) {
 }
 
 template <class F>
-auto in_its_kernel(const Robot& robot, F&& f) {
+auto in_driven_kernel(const Robot& robot, F&& f) {
   return in_kernel<kPendulum, kTriple, kQuad, kSmall, kLateLeg, kLate, kAny>(robot, f);
 }
 
@@ -37,8 +37,9 @@ std::vector<double> extensions(const Robot& robot, const std::vector<std::vector
   for (std::size_t row = 0; row < out.size(); ++row) {
     System::State y = System::State::Zero();
     for (int i = 0; i < system.body.joints; ++i) {
-      const JointPlace& at = system.body.joint[i];
-      y[System::kTheta + at.child] = phi[std::size_t(at.joint)][row] - at.offset + y[System::kTheta + at.parent];
+      const TreeJoint& at = system.body.joint[i];
+      const double parent = at.parent < 0 ? 0 : y[System::kTheta + at.parent];
+      y[System::kTheta + at.child] = phi[std::size_t(at.joint)][row] - at.offset + parent;
     }
     const auto pose = system.pose(y);
     for (int i = 0; i < system.body.contacts; ++i) {
@@ -51,7 +52,8 @@ std::vector<double> extensions(const Robot& robot, const std::vector<std::vector
 
 double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands, const DrivenStart& start) {
   check(commands, robot);
-  return in_its_kernel(robot, [&]<Capacity kSize>() { return stable_in_kernel<kSize>(robot, path, commands, start); });
+  return in_driven_kernel(robot,
+                          [&]<Capacity kSize>() { return stable_in_kernel<kSize>(robot, path, commands, start); });
 }
 
 DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
@@ -59,10 +61,10 @@ DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Com
   check_driven(robot);
   if (times.empty() || commands.t.empty()) throw InputError("a trial of no rows");
   check(commands, robot);
-  DrivenOptions with = options;
-  if (with.step <= 0) with.step = stable_step(robot, path, commands, start);
-  return in_its_kernel(
-      robot, [&]<Capacity kSize>() { return roll_in_kernel<kSize>(robot, path, commands, start, times, with); });
+  DrivenOptions resolved = options;
+  if (resolved.step <= 0) resolved.step = stable_step(robot, path, commands, start);
+  return in_driven_kernel(
+      robot, [&]<Capacity kSize>() { return roll_in_kernel<kSize>(robot, path, commands, start, times, resolved); });
 }
 
 }  // namespace ukemi::landing

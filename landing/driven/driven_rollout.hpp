@@ -1,9 +1,8 @@
-// A robot that is driven by a log's commands: angles, rates and reported torques of its joints, at given times.
+// A robot driven by the commands of a log: angles, rates and reported torques of its joints, at given times.
 //
-// Fixed steps of the classical Runge-Kutta method, as many to each command between two of the times, so that what comes
-// out depends smoothly on every number of the robot: differences are derivatives. Touchdowns and lift-offs, and the
-// sticking and sliding of contacts, joints, motors and rail, are found within their step, which is parted there.
-// Ours. Tests: test/legs/driven.cpp.
+// Fixed steps of the classical Runge-Kutta method, equally many for each command between two times, so that the result
+// is a smooth function of every number of the robot and can be differentiated by differences. Touchdowns, lift-offs,
+// sticking and sliding are located within their step, which is split there. Ours. Tests: test/legs/driven.cpp.
 #pragma once
 
 #include "landing/body/command_path.hpp"
@@ -13,31 +12,30 @@
 namespace ukemi::landing {
 
 struct DrivenOptions {
-  double step = 0;                   ///< the longest, > 0; 0: stable_step [s]
-  long most = 2'000'000;             ///< steps of one run
-  bool loads = false;                ///< accelerations and forces are sampled too, at a derivative a time
-  const Sensors* sensors = nullptr;  ///< of the pushes; what is sampled is what is, not what they say; none: exact
+  double step = 0;                   ///< maximum step, > 0; 0: stable_step [s]
+  long max_steps = 2'000'000;        ///< of one run
+  bool loads = false;                ///< also sample accelerations and forces; costs a derivative per time
+  const Sensors* sensors = nullptr;  ///< of the pushes only: samples are true values; null: exact
 };
 
-/// A step over which no joint decays or turns by more than what the method follows, at most 1 ms: from the acceleration
-/// that a torque on each joint alone gives, its damping, the fall of its friction with speed, and its stiffness; of a
-/// robot with contacts at most 0.2 ms [s]. Runs whose difference is a derivative need the same.
+/// A stable and accurate step, at most 1 ms, with contacts at most 0.2 ms [s]: from each joint's inverse inertia, its
+/// damping, its stiffness, and the fall of its friction with speed. Runs that are differenced need the same step.
 [[nodiscard]] double stable_step(const Robot& robot, const CommandPath& path, const Commands& commands,
                                  const DrivenStart& start);
 
 struct DrivenRollout {
-  /// Of Robot::joints, then by Sensed: one a time.
-  std::vector<std::array<std::vector<double>, kSensed>> joint;
-  std::array<std::vector<double>, kBaseSensed> base;          ///< of a free base, one a time
-  std::array<std::vector<double>, kBodySensed> acceleration;  ///< likewise [m/s^2]; empty: not sampled
-  std::vector<std::array<std::vector<double>, 2>> force;      ///< of Robot::contacts, on the robot [N]; likewise
-  std::vector<ContactChange> changes;                         ///< in their order; those that touch at the start first
-  bool complete = false;  ///< every time has its values: no state left the range of numbers or of the joints
+  /// Of Robot::joints, then by JointSignal: one value per time.
+  std::vector<std::array<std::vector<double>, kJointSignals>> joint;
+  std::array<std::vector<double>, kBaseSignals> base;                  ///< of a free base, one value per time
+  std::array<std::vector<double>, kAccelerationSignals> acceleration;  ///< one per time [m/s^2]; empty: not sampled
+  std::vector<std::array<std::vector<double>, 2>> force;  ///< of Robot::contacts, on the robot [N]; as acceleration
+  std::vector<ContactChange> changes;                     ///< in order; contacts that touch at the start first
+  bool complete = false;  ///< every time has values; else the state diverged or max_steps were exceeded
   long steps = 0;
 };
 
-/// From `start`, at times.front() to the last of `times` [the clock of `commands`, increasing]. Torque, acceleration
-/// and forces at a time are those of the command in force before it.
+/// The trial from `start` at times.front() to times.back() [clock of `commands`, increasing]. Torque, acceleration and
+/// forces at a time are those of the command in force before it.
 [[nodiscard]] DrivenRollout roll_driven(const Robot& robot, const CommandPath& path, const Commands& commands,
                                         const DrivenStart& start, const std::vector<double>& times,
                                         const DrivenOptions& options = {});

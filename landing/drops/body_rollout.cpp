@@ -13,9 +13,9 @@ std::vector<BodyChannel> body_channels(const Robot& robot) {
   std::vector<BodyChannel> out = {
       {{"acc", "m/s^2", true}, kAcc}, {{"ax", "m/s^2", true}, kAccX}, {{"ay", "m/s^2", true}, kAccY}};
   for (int i = 0; i < int(robot.links.size()); ++i) {
-    const std::string& of = robot.links[std::size_t(i)].name;
-    out.push_back({{"x_" + of, "m"}, kOriginX, i}), out.push_back({{"y_" + of, "m"}, kOriginY, i});
-    out.push_back({{"theta_" + of, "rad"}, kTheta, i});
+    const std::string& link_name = robot.links[std::size_t(i)].name;
+    out.push_back({{"x_" + link_name, "m"}, kOriginX, i}), out.push_back({{"y_" + link_name, "m"}, kOriginY, i});
+    out.push_back({{"theta_" + link_name, "rad"}, kTheta, i});
   }
   for (int i = 0; i < int(robot.joints.size()); ++i)
     if (const Joint& j = robot.joints[std::size_t(i)]; j.kind != DriveKind::kLocked)
@@ -29,14 +29,14 @@ std::vector<DropChannel> drop_channels(const std::vector<BodyChannel>& channels)
 
 namespace {
 
-/// What is asked of a run, and what it gave.
+/// Channels and times to sample, and the result.
 struct Sampling {
   const std::vector<BodyChannel>& channels;
   const std::vector<double>& times;
   BodyRollout& out;
 };
 
-/// Samples a run at given times; in place of BodyRecorder.
+/// Samples a run at given times; used instead of BodyRecorder.
 template <class System, bool>
 class BodySampler {
  public:
@@ -92,7 +92,7 @@ class BodySampler {
     }
     return 0;
   }
-  /// From the floor's frame to the true one.
+  /// Rotates from the floor's frame to the true one.
   Vec2<double> level(const Vec2<double>& v) const {
     const double c = std::cos(slope_), n = std::sin(slope_);
     return {c * v.x() - n * v.y(), n * v.x() + c * v.y()};
@@ -122,16 +122,16 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   BodyRollout out;
   out.value.resize(channels.size());
   if (times.empty()) return out.complete = true, out;
-  BodyScene until = scene;
-  until.loads.clear();
-  constexpr double kBeyond = 1e-9;  // the last time lies within a step [s]
-  until.t_end = times.back() + kBeyond;
-  until.validate();
-  SimulateOptions through = options;
-  through.rest = SimulateOptions::Rest::kIgnore;
+  BodyScene drop_scene = scene;
+  drop_scene.loads.clear();
+  constexpr double kBeyond = 1e-9;  // so that the last time is inside a step [s]
+  drop_scene.t_end = times.back() + kBeyond;
+  drop_scene.validate();
+  SimulateOptions drop_options = options;
+  drop_options.rest = SimulateOptions::Rest::kIgnore;
   const Sampling sampling{channels, times, out};
   const BodyLanding landing = in_kernel<kSmall, kLate, kAny>(
-      scene.robot, [&]<Capacity kSize>() { return follow<kSize>(until, motion, through, sampling); });
+      scene.robot, [&]<Capacity kSize>() { return follow<kSize>(drop_scene, motion, drop_options, sampling); });
   out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
   out.steps = landing.work.steps + landing.work.rejected;
   out.complete = channels.empty() ? landing.end == End::kTimeLimit || landing.end == End::kNoContact

@@ -13,7 +13,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// A column that is known, and what makes SI of it.
+/// A known column and the factor that converts it to SI.
 struct Column {
   std::string name;
   int output;  ///< index of the channel; -1: time
@@ -33,22 +33,22 @@ std::vector<Column> columns_of(const std::vector<DropChannel>& channels) {
   return out;
 }
 
-/// What is not read and is a column of another robot, or looks like one that is missing.
+/// Notes on columns that are not read: those of the paper's robot, and near misses of missing ones.
 std::vector<std::string> notes_of(const CsvTable& table, const std::vector<Column>& columns) {
-  const auto is_one_of = [](const std::vector<Column>& list, const std::string& name) {
+  const auto contains = [](const std::vector<Column>& list, const std::string& name) {
     return std::any_of(list.begin(), list.end(), [&](const Column& c) { return c.name == name; });
   };
-  const std::vector<Column> of_paper = columns_of(thigh_channels());
+  const std::vector<Column> paper_columns = columns_of(thigh_channels());
   std::vector<std::string> missing, out;
   for (const Column& c : columns)
     if (table.find(c.name) < 0) missing.push_back(c.name);
   for (const std::string& name : table.header)
-    if (!is_one_of(columns, name) && is_one_of(of_paper, name))
+    if (!contains(columns, name) && contains(paper_columns, name))
       out.push_back("column " + quoted(name) +
                     " is not read: of a robot of links x_LINK, y_LINK are of a link's origin, theta_LINK its angle");
-  const auto known = [&](const std::string& name) { return is_one_of(columns, name) || is_one_of(of_paper, name); };
-  for (const auto& [c, near] : table.near_misses(known, missing))
-    out.push_back("column " + quoted(table.header[c]) + " is not read" + near);
+  const auto known = [&](const std::string& name) { return contains(columns, name) || contains(paper_columns, name); };
+  for (const auto& [c, hint_text] : table.near_misses(known, missing))
+    out.push_back("column " + quoted(table.header[c]) + " is not read" + hint_text);
   return out;
 }
 
@@ -85,19 +85,19 @@ DropLog read_drop(const std::string& path, const std::vector<DropChannel>& chann
   log.file = path, log.notes = notes_of(table, columns);
   log.output.assign(channels.size(), {});
   int time = -1;
-  std::vector<int> from(channels.size(), -1);
+  std::vector<int> column_of(channels.size(), -1);
   for (int c = 0; c < int(table.header.size()); ++c) {
     const Column* column = find(table.header[std::size_t(c)]);
     if (!column) continue;
-    int& place = column->output < 0 ? time : from[std::size_t(column->output)];
-    if (place >= 0)
+    int& found = column->output < 0 ? time : column_of[std::size_t(column->output)];
+    if (found >= 0)
       throw InputError({path, table.header_line, table.header_column[std::size_t(c)]},
                        fmt::format("column {}: {} gives the same in another unit: one of them is needed",
-                                   quoted(column->name), quoted(table.header[std::size_t(place)])));
-    place = c;
+                                   quoted(column->name), quoted(table.header[std::size_t(found)])));
+    found = c;
   }
   if (time < 0) throw InputError({path, table.header_line}, "no column 't'" + hint("t", table.header));
-  if (std::all_of(from.begin(), from.end(), [](int c) { return c < 0; }))
+  if (std::all_of(column_of.begin(), column_of.end(), [](int c) { return c < 0; }))
     throw InputError({path, table.header_line}, "no measured output: at least one of " + names_of(channels) +
                                                     " is needed" + hint("acc", table.header));
 
@@ -116,8 +116,8 @@ DropLog read_drop(const std::string& path, const std::vector<DropChannel>& chann
     }
     log.t.push_back(t[i]);
     for (std::size_t o = 0; o < channels.size(); ++o) {
-      if (from[o] < 0) continue;
-      const auto c = std::size_t(from[o]);
+      if (column_of[o] < 0) continue;
+      const auto c = std::size_t(column_of[o]);
       const double value = table.columns[c][i] * find(table.header[c])->unit;
       if (channels[o].unit == "rad" && std::abs(value) > 2 * std::numbers::pi)
         throw InputError(table.at(int(c), i),

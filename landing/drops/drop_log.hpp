@@ -1,4 +1,4 @@
-// The log of one drop in SI units, with the checks that a log must pass.
+// The log of one drop in SI units, and its reader.
 #pragma once
 
 #include <string>
@@ -8,14 +8,14 @@
 
 namespace ukemi::landing {
 
-/// What may be measured of a falling robot.
+/// A measured signal of a falling robot.
 struct DropChannel {
   std::string name, unit;  ///< unit: "m/s^2", "m" or "rad"
-  bool jumps = false;      ///< at a touchdown and a lift-off
+  bool jumps = false;      ///< it jumps at touchdowns and lift-offs
 };
-/// Those of the paper's robot, in the order of DropOutput.
+/// The channels of the paper's robot, in the order of DropOutput.
 const std::vector<DropChannel>& thigh_channels();
-/// Their names: "acc, ax, ay or phi_0".
+/// The names of channels: "acc, ax, ay or phi_0".
 std::string names_of(const std::vector<DropChannel>& channels);
 
 /// A log of one drop. An output has as many samples as `t`, NaN where it was not measured, or none at all.
@@ -23,10 +23,10 @@ struct DropLog {
   std::string file;
   std::vector<double> t;  ///< from release [s], increasing, >= 0
   std::vector<std::vector<double>> output = std::vector<std::vector<double>>(kOutputs);  ///< of each channel
-  long before_release = 0;              ///< rows with t < 0, which are left out
-  std::vector<std::string> notes = {};  ///< columns that are not read and look like some that are
+  long before_release = 0;              ///< number of rows with t < 0, which are skipped
+  std::vector<std::string> notes = {};  ///< on columns that are not read but look like known ones
 
-  /// Measured values of an output.
+  /// Number of measured values of an output.
   long count(std::size_t output) const;
 };
 

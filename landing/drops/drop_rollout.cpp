@@ -21,8 +21,8 @@ class SampleObserver {
  public:
   explicit SampleObserver(const std::vector<double>& times) : times_(times) { out.samples.reserve(times.size()); }
 
-  void flight(const Landing& l, const State& released, double until) {
-    for (; waiting() && next() <= until;) {
+  void flight(const Landing& l, const State& released, double end) {
+    for (; waiting() && next() <= end;) {
       State y = released;
       fly(l.system(), l.scene(), next(), y);
       sample(l, y);
@@ -34,17 +34,17 @@ class SampleObserver {
     for (; waiting() && next() <= step.t + step.h;)
       sample(l, driver.dense().at(step.place_of(std::max(next(), step.t))));
   }
-  void before(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
+  void before_event(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
   void after_event(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
     if (event < kPoints) out.jumps.push_back(t);
   }
-  void cut(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {
-    while (waiting()) sample(l, y);  // the last time, where it differs from the limit by rounding
+  void time_limit(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {
+    while (waiting()) sample(l, y);  // the last time, if it exceeds the time limit by rounding
   }
   void finish(const Landing&) {}
-  double running() const { return 0; }  // a drop is never left at rest
+  double running() const { return 0; }  // no rest test: a drop is followed to its last time
 
-  DropRollout out;  ///< derivatives by the landing's units
+  DropRollout out;  ///< derivatives by scaled parameters, see unit()
 
  private:
   bool waiting() const { return out.samples.size() < times_.size(); }
@@ -100,11 +100,12 @@ DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, cons
   for (std::size_t i = 0; i < times.size(); ++i)
     if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
       throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
-  Scene until = scene;
-  until.t_end = times.back();
-  SimulateOptions through = options;
-  through.rest = SimulateOptions::Rest::kIgnore;
-  return with_terms(sea, [&]<LandingTerms kTerms>() { return roll<kTerms>(until, sea, motion, times, through); });
+  Scene drop_scene = scene;
+  drop_scene.t_end = times.back();
+  SimulateOptions drop_options = options;
+  drop_options.rest = SimulateOptions::Rest::kIgnore;
+  return with_terms(sea,
+                    [&]<LandingTerms kTerms>() { return roll<kTerms>(drop_scene, sea, motion, times, drop_options); });
 }
 
 }  // namespace ukemi::landing

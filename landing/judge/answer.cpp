@@ -32,36 +32,36 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// When each part has to end for the answer to be there by the deadline; without one, and until it is stopped, never.
+/// The time at which each part must end for the answer by the deadline; without a deadline never, until a stop.
 class Timetable {
  public:
   Timetable(const Scene& scene, const Actuator& actuator, const AnswerOptions& options)
       : scene_(scene), sea_(actuator.sea), options_(options) {}
 
-  /// With a deadline: plays a held reference, a tenth of it at most: so the time of a landing is measured.
+  /// With a deadline: plays a held reference, for a tenth of it at most, to measure the time of a landing.
   void begin(Answer& a) {
     if (!deadline()) return;
-    constexpr double kTwoLandings = 4;  // what two take in the end, at most, of the first
+    constexpr double kTwoLandings = 4;  // time of the two final landings relative to the first, at most
     const double start = now();
-    until_ = start + 0.1 * (*deadline() - start);
+    end_ = start + 0.1 * (*deadline() - start);
     a.held = play(kHeld);
-    until_ = kNever;
-    landing_ = kTwoLandings * (now() - start);
-    begun_ = true;
+    end_ = kNever;
+    landing_time_ = kTwoLandings * (now() - start);
+    measured_ = true;
   }
-  /// What is left for the search [s]; at least a little, for a refusal with its reason.
-  double search() const { return std::max(1e-3, *deadline() - landing_ - options_.kept_back - now()); }
+  /// The time left for the search [s]; at least 1 ms, for a message.
+  double search_time() const { return std::max(1e-3, *deadline() - landing_time_ - options_.kept_back - now()); }
 
-  /// A landing for the report, as far as the time goes; once it is stopped, a moment.
+  /// A landing for the report, until the deadline; after a stop for kMoment.
   Landing play(const Motion& motion) {
     constexpr double kMoment = 0.1;  // [s]
-    const bool leaving = options_.search.monitor.stopped();
-    if (leaving)
-      until_ = std::min(until_, now() + kMoment);
-    else if (begun_)
-      until_ = *deadline() - options_.kept_back;
+    const bool stopping = options_.search.monitor.stopped();
+    if (stopping)
+      end_ = std::min(end_, now() + kMoment);
+    else if (measured_)
+      end_ = *deadline() - options_.kept_back;
     const std::function<bool()> over = [&] {
-      return now() >= until_ || (!leaving && options_.search.monitor.stopped());
+      return now() >= end_ || (!stopping && options_.search.monitor.stopped());
     };
     return simulate(scene_, sea_, motion, {.accuracy = options_.search.accuracy, .over = &over}, options_.rate);
   }
@@ -74,32 +74,32 @@ class Timetable {
   const Scene& scene_;
   const SeaParameters<double>& sea_;
   const AnswerOptions& options_;
-  double until_ = kNever, landing_ = 0;  // [s]
-  bool begun_ = false;
+  double end_ = kNever, landing_time_ = 0;  // [s]
+  bool measured_ = false;
 };
 
-/// Every solver with the same budget, until it is stopped; progress counts all of them together.
+/// Every solver with the same budget, until a stop; the progress is that of all.
 std::vector<Optimum> search(const Scene& scene, const SeaParameters<double>& sea, OptimizeOptions options,
                             std::vector<std::string> solvers) {
   if (solvers.empty()) solvers = {options.solver};
-  const Monitor whole = options.monitor;
+  const Monitor total_monitor = options.monitor;
   const std::optional<double> deadline = options.deadline;
   const Stopwatch watch(Stopwatch::Time::kWall);
   std::vector<Optimum> out;
   for (const std::string& solver : solvers) {
-    if (!out.empty() && whole.stopped()) break;
+    if (!out.empty() && total_monitor.stopped()) break;
     options.solver = solver;
     if (deadline) options.deadline = std::max(1e-3, *deadline - watch.seconds()) / double(solvers.size() - out.size());
     options.monitor.on_progress = [&](long done, long total) {
-      whole.progress(long(out.size()) * total + done, long(solvers.size()) * total);
+      total_monitor.progress(long(out.size()) * total + done, long(solvers.size()) * total);
     };
     out.push_back(optimize(scene, sea, options));
   }
   return out;
 }
 
-/// How the drops scatter that are planned for, or that a plan is judged by.
-DropModel drops_of(Answer& a) {
+/// The model of the drops that are planned for, or over which a plan is evaluated.
+DropModel drop_model_of(Answer& a) {
   const RobustOptions& o = a.options.robust;
   if (!o.drops.empty()) return DropModel::measured(a.scene, o.drops);
   a.scatter_assumed = !o.scatter && !a.scene.scatter;
@@ -110,34 +110,34 @@ DropModel drops_of(Answer& a) {
           {.inflate = o.inflate, .inexact = o.measure && a.options.search.goal == Goal::kTolerant}};
 }
 
-UnderScatter judged_under_scatter(const DropModel& model, const Answer& a, const OptimizeOptions& search) {
-  constexpr long kPlanned = 10'000;
+UnderScatter evaluate_under_scatter(const DropModel& model, const Answer& a, const OptimizeOptions& search) {
+  constexpr long kDrops = 10'000;
   UnderScatterOptions options{.limits = search.limits,
                               .penalty = a.options.robust.penalty,
                               .seed = search.seed,
                               .threads = search.threads,
                               .monitor = a.options.evidence_monitor};
   constexpr double kShownRate = 200;  // [Hz]
-  if (a.scattered) options.samples = kPlanned, options.measure = *a.options.robust.measure;
+  if (a.scattered) options.samples = kDrops, options.measure = *a.options.robust.measure;
   if (a.scattered && a.options.rate > 0) options.rate = kShownRate;
   if (a.nominal) options.nominal = a.nominal->motion;
   return under_scatter(model, ReferenceSpace(a.scene, a.best.sea), {a.best.motion, a.best.sea}, options);
 }
 
-/// The best motion for the scene's own drop, which a plan for scatter is compared with; with no more motions than were
-/// asked for.
+/// The best motion for the scene's own drop, for comparison with a plan for scatter; with no more motions than
+/// requested.
 std::optional<Optimum> nominal_plan(const Answer& a, const Monitor& monitor) {
-  OptimizeOptions own = a.options.search;
-  const long most = default_evaluations(own.goal, ReferenceSpace(a.scene, a.actuator.sea).dimension());
-  own.deadline.reset();
-  own.evaluations = std::min(own.evaluations.value_or(most), most);
-  own.tolerance_samples = 0;
-  own.monitor = {.on_progress = {}, .stop = monitor.stop};
-  Optimum found = optimize(a.scene, a.actuator.sea, own);
+  OptimizeOptions search = a.options.search;
+  const long maximum = default_evaluations(search.goal, ReferenceSpace(a.scene, a.actuator.sea).dimension());
+  search.deadline.reset();
+  search.evaluations = std::min(search.evaluations.value_or(maximum), maximum);
+  search.tolerance_samples = 0;
+  search.monitor = {.on_progress = {}, .stop = monitor.stop};
+  Optimum found = optimize(a.scene, a.actuator.sea, search);
   return found.found ? std::optional(std::move(found)) : std::nullopt;
 }
 
-/// best.value again, with its error.
+/// best.value with its error.
 Estimated promised(const Answer& a, const OptimizeOptions& search) {
   const Robust& robust = *search.robust;
   const DrivenMotion plan{a.best.motion, a.best.sea};
@@ -159,8 +159,8 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
   a.landing.end = a.held.end = End::kStopped;
   Timetable timetable(scene, actuator, options);
   timetable.begin(a);
-  if (searched.deadline) searched.deadline = timetable.search();
-  const DropModel drops = drops_of(a);
+  if (searched.deadline) searched.deadline = timetable.search_time();
+  const DropModel drops = drop_model_of(a);
   a.scattered = options.robust.measure && drops.scatters();
   if (a.scattered) {
     searched.goal = Goal::kRobust, searched.search_accuracy = Robust::kAccuracy;
@@ -190,10 +190,10 @@ Answer answer(const Scene& scene, const Actuator& actuator, const AnswerOptions&
     if (a.evidence->complete) {
       a.limit = touchdown_limit(scene, actuator.sea, searched.threads);
       if (a.scattered) a.nominal = nominal_plan(a, options.evidence_monitor);
-      if (drops.scatters() && !searched.monitor.stopped()) a.under_scatter = judged_under_scatter(drops, a, searched);
+      if (drops.scatters() && !searched.monitor.stopped()) a.under_scatter = evaluate_under_scatter(drops, a, searched);
       if (a.under_scatter && !a.under_scatter->complete) a.under_scatter.reset(), a.nominal.reset();
       if (a.scattered) a.promised = promised(a, searched);
-      if (a.scattered && a.under_scatter && !scene.release) {  // the check looks for a posture longer than the search
+      if (a.scattered && a.under_scatter && !scene.release) {  // under_scatter searches postures more finely
         const double phi = a.under_scatter->posture_phi;
         best.held = Held{{phi, phi, kHeld.duration}, a.under_scatter->posture_value};
         a.held = timetable.play(best.held->motion);

@@ -1,5 +1,5 @@
-// The answer to Eq. 6 as a robot's programmer wants it: the best motion, its landing and that of the held reference,
-// what small deviations do to it, and whether the actuator can follow it; all of it by a deadline, where one is given.
+// The complete answer to Eq. 6: the best motion, its landing and that of the held reference, the effect of small
+// deviations, and whether the actuator can follow it; by a deadline, where one is given.
 #pragma once
 
 #include <optional>
@@ -17,23 +17,23 @@ namespace ukemi::landing {
 
 struct Answer;
 
-/// Keeps the reference's rate, the motor's speed and its torque within the actuator's ratings. Throws InputError where
+/// Limits the reference's rate, the motor's speed and its torque to the actuator's ratings. Throws InputError where
 /// the actuator lacks one of them.
 void respect_ratings(const Actuator& actuator, OptimizeOptions& options);
 
 struct AnswerOptions {
   RobustOptions robust;
-  OptimizeOptions search;  ///< its deadline is that of the whole answer, handed over
-  /// Tried in turn, each with the whole number of motions, of a deadline with its part; empty: search.solver alone.
+  OptimizeOptions search;  ///< its deadline is that of the whole answer, output included
+  /// Run in turn, each with the full number of motions, or an equal part of a deadline; empty: search.solver alone.
   std::vector<std::string> solvers;
-  double rate = 0;  ///< rows of the trajectories a second [Hz]; 0: none
+  double rate = 0;  ///< sampling of the trajectories [Hz]; 0: none
   enum class Extras {
     kWithoutDeadline,  ///< evidence is computed where there is no deadline and landings are not too long
-    kAlways,           ///< whatever it takes, beyond the deadline too
+    kAlways,           ///< however long it takes, beyond the deadline too
   } evidence = Extras::kWithoutDeadline;
   Monitor evidence_monitor;  ///< progress in the evidence's landings
-  double used = 0;           ///< of the deadline, before the call [s]
-  double kept_back = 0;      ///< of the deadline, for what the caller does with the answer [s]
+  double used = 0;           ///< time of the deadline spent before the call [s]
+  double kept_back = 0;      ///< time of the deadline reserved for the caller's output [s]
 };
 
 struct Answer {
@@ -41,22 +41,22 @@ struct Answer {
   Actuator actuator;
   AnswerOptions options;
   Optimum best;
-  std::vector<Optimum> tried;  ///< what each solver came to; one where one was asked for
-  /// The landings of `best.motion` and of best.held; End::kStopped where there was no time to play them.
+  std::vector<Optimum> tried;  ///< the result of each solver
+  /// The landings of best.motion and best.held; End::kStopped where there was no time to play them.
   Landing landing, held;
-  std::optional<LeastBreaking> least_breaking;  ///< where nothing was found that keeps the ratings
+  std::optional<LeastBreaking> least_breaking;  ///< where no motion was found that keeps the ratings
   std::optional<Evidence> evidence;
   std::optional<TouchdownLimit> limit;        ///< with the evidence
-  double evidence_seconds = 0;                ///< that it took
-  std::optional<Scatter> scatter;             ///< of the drops; none: they were measured
-  bool scatter_assumed = false;               ///< the scene states none, and no option does
-  bool scattered = false;                     ///< planned for it: best.value is the measure that is promised
+  double evidence_seconds = 0;                ///< time of the evidence [s]
+  std::optional<Scatter> scatter;             ///< of the drops; absent: measured drops
+  bool scatter_assumed = false;               ///< neither the scene nor the options have one
+  bool scattered = false;                     ///< planned for scatter: best.value is the promised measure
   std::optional<UnderScatter> under_scatter;  ///< with the evidence
-  std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, to compare with one for scatter
-  std::optional<Estimated> promised;          ///< best.value of a plan for scatter, and its error; with the evidence
+  std::optional<Optimum> nominal;             ///< the plan for the scene's own drop, compared with one for scatter
+  std::optional<Estimated> promised;          ///< of a plan for scatter, best.value with its error; with the evidence
   std::optional<Ratings> ratings;             ///< where the landing was played
   std::optional<Instability> instability;
-  bool tolerant_known = false;  ///< best.tolerant was played whole, or was what the search minimised
+  bool tolerant_known = false;  ///< best.tolerant was played completely, or is the goal of the search
 
   bool played() const { return landing.end != End::kStopped; }
   double peak() const { return played() ? landing.peak : best.landing.peak; }  ///< [m/s^2]

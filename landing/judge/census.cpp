@@ -17,7 +17,7 @@ bool PeakCensus::count(double peak, std::vector<double>& peaks, long& failed) {
   return followed;
 }
 
-void PeakCensus::finish(PeakRisk& out) const {
+void PeakCensus::report(PeakRisk& out) const {
   out.peaks = distribution(peaks_), out.held = distribution(held_);
   out.failed = failed_, out.held_failed = held_failed_;
   for (const auto& [contact, drops] : contacts_) out.contacts.push_back({contact.first, contact.second, drops});
@@ -51,7 +51,7 @@ PeakRisk::WhyNone IndexPlan::why_none(bool stopped) const {
   return groups == 0 ? kNothingScatters : groups == 1 ? kOneGroup : stopped ? kStopped : kThere;
 }
 
-void IndexPlan::work_out(PeakRisk& out, long chunk, std::uint64_t seed, int threads, const Peaks& play) const {
+void IndexPlan::compute(PeakRisk& out, long chunk, std::uint64_t seed, int threads, const Peaks& play) const {
   std::vector<std::vector<double>> values(blocks());
   long failed = 0;
   const long part = std::max(1L, chunk / long(blocks()));

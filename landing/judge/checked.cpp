@@ -32,7 +32,7 @@ CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, con
           instability(scene, actuator.sea, motion)};
 }
 
-std::optional<Landing> held_beside(const CheckedLanding& c, const SeaParameters<double>& sea, double rate) {
+std::optional<Landing> held_landing(const CheckedLanding& c, const SeaParameters<double>& sea, double rate) {
   if (!moves(c.motion) && c.motion.phi_i == kHeld.phi_i) return std::nullopt;
   Landing held = simulate(c.scene, sea, kHeld, {.accuracy = c.accuracy}, rate);
   return no_landing(held.end) ? std::nullopt : std::optional(std::move(held));

@@ -1,4 +1,4 @@
-// One landing with everything that says how far it can be relied on, and what it demands of the actuator.
+// One landing with the checks of its peak, and its demands on the actuator.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace ukemi::landing {
 
-/// What a motion demands of the actuator, and what the actuator can give.
+/// Demands of a motion on the actuator, and the actuator's ratings.
 struct Ratings {
   double reference_rate = 0;               ///< largest |dphi_ref| of the motion [rad/s]
-  Demands demands;                         ///< of its landing
+  Demands demands;                         ///< of the landing
   std::optional<double> speed_max;         ///< rated motor speed [rad/s]
   std::optional<double> motor_torque_max;  ///< rated motor torque [Nm]
   double tau_max = 0;                      ///< limit of the spring's torque [Nm]; infinite: none
@@ -22,10 +22,10 @@ struct Ratings {
 [[nodiscard]] Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& motion,
                               const Landing& landing);
 
-/// A drive that does not come to rest on the robot in flight, see growth_rate.
+/// A drive that is unstable in flight, see growth_rate.
 struct Instability {
-  double phi;   ///< joint angle at which it is worst [rad], of the two that the motion holds
-  double rate;  ///< of growth there [1/s], > 0
+  double phi;   ///< joint angle of the faster growth [rad]: phi_I or phi_F
+  double rate;  ///< growth rate there [1/s], > 0
 };
 [[nodiscard]] std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea,
                                                      const Motion& motion);
@@ -39,15 +39,15 @@ struct CheckedLanding {
   Ratings ratings;
   std::optional<Instability> instability;
 
-  /// The peak moves with the tolerance and not with the scene: it is not that of the motion.
+  /// The peak changes with the tolerance and not with the scene: it is wrong.
   bool wrong() const { return sensitivity.checked && !sensitivity.right && landing.end != End::kFailed; }
 };
 /// As `simulate`, with rate > 0 [Hz] a trajectory too.
 [[nodiscard]] CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,
                                              const SimulateOptions& options = {}, double rate = 0);
-/// The landing of kHeld (under_scatter.hpp) on the same drop, as exact, to compare with; none where the motion is
-/// that one, or the landing cannot be followed.
-[[nodiscard]] std::optional<Landing> held_beside(const CheckedLanding& checked, const SeaParameters<double>& sea,
-                                                 double rate);
+/// The landing of kHeld (under_scatter.hpp) in the same drop at the same accuracy, for comparison; absent where the
+/// motion is kHeld, or it cannot be followed.
+[[nodiscard]] std::optional<Landing> held_landing(const CheckedLanding& checked, const SeaParameters<double>& sea,
+                                                  double rate);
 
 }  // namespace ukemi::landing

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "common/parallel.hpp"
 #include "landing/search/population.hpp"
@@ -11,25 +10,25 @@ namespace ukemi::landing {
 
 namespace {
 
-/// What one landing demands most, and what the ratings allow; infinite where it breaks another limit.
-LeastBreaking demanded(const Scene& scene, const DrivenMotion& play, const Limits& limits) {
+/// The rating that one landing exceeds most; an infinite demand where it breaks another limit.
+LeastBreaking demand_of(const Scene& scene, const DrivenMotion& play, const Limits& limits) {
   Limits others = limits;
   constexpr double kAny = std::numeric_limits<double>::infinity();
   others.motor_speed = others.motor_torque = others.reference_rate = kAny;
   const Landing l = simulate(scene, play.sea, play.motion, {.accuracy = 1e-6, .max_steps = 20'000, .limits = others});
   if (no_landing(l.end)) return {play.motion, "", "", kAny, 1};
   const double rate = peak_reference_rate(play.motion, l.contacts.first() + scene.detection_delay);
-  LeastBreaking most{play.motion, "reference_rate", "rad/s", rate, limits.reference_rate};
+  LeastBreaking worst{play.motion, "reference_rate", "rad/s", rate, limits.reference_rate};
   for (const LeastBreaking& m :
        {LeastBreaking{play.motion, "motor_speed", "rad/s", l.demands.motor_speed, limits.motor_speed},
         {play.motion, "motor_torque", "Nm", l.demands.motor_torque, limits.motor_torque}})
-    if (m.excess() > most.excess()) most = m;
-  return most;
+    if (m.excess() > worst.excess()) worst = m;
+  return worst;
 }
 
-/// Demand of a motion over what it is planned for: the largest demand of the share that must keep the ratings.
-LeastBreaking demanded(const Scene& scene, const MotionSpace& space, const DrivenMotion& play,
-                       const OptimizeOptions& options) {
+/// The largest demand of a motion over the share of its execution box or drops that must keep the ratings.
+LeastBreaking demand_of(const Scene& scene, const MotionSpace& space, const DrivenMotion& play,
+                        const OptimizeOptions& options) {
   constexpr std::size_t kDrops = 8;
   std::vector<LeastBreaking> all;
   double share = 1;
@@ -37,10 +36,10 @@ LeastBreaking demanded(const Scene& scene, const MotionSpace& space, const Drive
     share = options.robust->measure.share();
     for (const ScatteredDrop& d :
          std::span(options.robust->drops).first(std::min(kDrops, options.robust->drops.size())))
-      all.push_back(demanded(d.scene, d.played(space, play), options.limits));
+      all.push_back(demand_of(d.scene, d.played(space, play), options.limits));
   } else {
     for (int k = 0; k < kExecutionPoints; ++k)
-      all.push_back(demanded(scene, space.execution_point(play, scene.execution, k), options.limits));
+      all.push_back(demand_of(scene, space.execution_point(play, scene.execution, k), options.limits));
   }
   std::sort(all.begin(), all.end(), [](auto& a, auto& b) { return a.excess() < b.excess(); });
   LeastBreaking out = all[std::size_t(std::ceil(share * double(all.size()))) - 1];
@@ -56,22 +55,22 @@ std::optional<LeastBreaking> least_breaking(const Scene& scene, const MotionSpac
   constexpr int kGenerations = 20;
   OptimizeOptions o = options;
   if (scene.joint) o.limits.joint = *scene.joint;
-  const auto at = [&](const Candidate& p) { return demanded(scene, space, space.play(space.values(p.u)), o); };
+  const auto demand = [&](const Candidate& p) { return demand_of(scene, space, space.play(space.values(p.u)), o); };
   const auto play = [&](std::span<Candidate> points) {
     parallel_for(int(points.size()), o.threads, [&](int i) {
       Candidate& p = points[std::size_t(i)];
-      p.value = std::min(at(p).excess(), kNoMotion);
+      p.value = std::min(demand(p).excess(), kNoMotion);
     });
   };
   Random random(o.seed, 0xb4ea);
   std::vector<Candidate> population, trials(kPopulation);
-  const double still = scene.release ? scene.release->phi : std::midpoint(scene.search.phi[0], scene.search.phi[1]);
-  if (const auto held = space.holding(still)) population.push_back({space.place(*held)});
+  const double phi = held_angle(scene);
+  if (const auto held = space.holding(phi)) population.push_back({space.place(*held)});
   while (population.size() < kPopulation) population.push_back(random_point(random, space.dimension()));
   play(population);
   for (int n = 0; n < kGenerations && !o.monitor.stopped(); ++n) evolve(play, random, population, trials, {});
   const Candidate& best = *std::min_element(population.begin(), population.end());
-  return best.value < kNoMotion ? std::optional(at(best)) : std::nullopt;
+  return best.value < kNoMotion ? std::optional(demand(best)) : std::nullopt;
 }
 
 }  // namespace ukemi::landing

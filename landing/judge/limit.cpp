@@ -12,35 +12,35 @@ namespace ukemi::landing {
 
 namespace {
 
-/// The peak until `after` the first touchdown, the joint held at phi; infinite where it never comes.
-double held_peak(const Scene& scene, const SeaParameters<double>& sea, double phi, double after) {
+/// The peak until `duration` after the first touchdown, the joint held at phi; infinite without a touchdown.
+double held_peak(const Scene& scene, const SeaParameters<double>& sea, double phi, double duration) {
   const Motion hold{phi, phi, 1};
-  Scene until = scene;
-  until.release.reset();
-  until.detection_delay = 0;
-  until.t_end.reset();
-  const double touchdown = first_touchdown(until, sea, hold);
+  Scene window = scene;
+  window.release.reset();
+  window.detection_delay = 0;
+  window.t_end.reset();
+  const double touchdown = first_touchdown(window, sea, hold);
   if (!std::isfinite(touchdown)) return touchdown;
-  until.t_end = touchdown + after;
-  return peak_acceleration(until, sea, hold).peak;
+  window.t_end = touchdown + duration;
+  return peak_acceleration(window, sea, hold).peak;
 }
 
-/// The angle of the smallest value.
-struct Smallest {
+/// A value and its angle.
+struct Minimum {
   double phi = 0, value = std::numeric_limits<double>::infinity();
 };
 template <class F>
-Smallest smallest(double low, double high, int threads, F&& f) {
+Minimum refined_minimum(double low, double high, int threads, F&& f) {
   constexpr int kPoints = 65, kRounds = 3;
-  Smallest best;
+  Minimum best;
   for (int round = 0; round < kRounds; ++round) {
-    std::vector<Smallest> row(kPoints);
+    std::vector<Minimum> row(kPoints);
     const double step = (high - low) / (kPoints - 1);
     parallel_for(kPoints, threads, [&](int i) {
       const double phi = low + step * i;
       row[std::size_t(i)] = {phi, f(phi)};
     });
-    const Smallest at = *std::min_element(row.begin(), row.end(), [](auto& a, auto& b) { return a.value < b.value; });
+    const Minimum at = *std::min_element(row.begin(), row.end(), [](auto& a, auto& b) { return a.value < b.value; });
     if (at.value < best.value) best = at;
     low = std::max(low, best.phi - 2 * step), high = std::min(high, best.phi + 2 * step);
   }
@@ -54,11 +54,11 @@ TouchdownLimit touchdown_limit(const Scene& scene, const SeaParameters<double>& 
   if (!scene.touches()) return {};
   double low = scene.search.phi[0], high = scene.search.phi[1];
   if (scene.joint) low = std::max(low, (*scene.joint)[0]), high = std::min(high, (*scene.joint)[1]);
-  const auto over_postures = [&](double after) {
-    return smallest(low, high, threads, [&](double phi) { return held_peak(scene, sea, phi, after); });
+  const auto over_postures = [&](double duration) {
+    return refined_minimum(low, high, threads, [&](double phi) { return held_peak(scene, sea, phi, duration); });
   };
-  constexpr double kBehind = 1e-9;  // [s]
-  const Smallest jump = over_postures(kBehind), contact = over_postures(TouchdownLimit::kFirstContact);
+  constexpr double kJustAfter = 1e-9;  // [s]
+  const Minimum jump = over_postures(kJustAfter), contact = over_postures(TouchdownLimit::kFirstContact);
   return {jump.value, jump.phi, contact.value, contact.phi, std::isfinite(jump.value)};
 }
 

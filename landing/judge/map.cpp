@@ -96,8 +96,8 @@ std::vector<std::size_t> local_minima(const PeakMap& map) {
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
     const double here = map.grid[i].peak;
     if (!std::isfinite(here)) continue;
-    const auto near = map.neighbours(i);
-    if (std::none_of(near.begin(), near.end(), [&](std::size_t n) { return map.grid[n].peak < here; }))
+    const auto neighbours = map.neighbours(i);
+    if (std::none_of(neighbours.begin(), neighbours.end(), [&](std::size_t n) { return map.grid[n].peak < here; }))
       minima.push_back(i);
   }
   std::stable_sort(minima.begin(), minima.end(),
@@ -116,7 +116,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   Objective objective(scene, space, {.stop = options.monitor.stop});
   Search search(objective, {.motions = kMotions, .work = work_allowed(1, kMotions), .hold = 0}, options.seed + n);
   Random random(options.seed, n);
-  std::vector<Candidate> population(kPopulation, search.nothing()), trials = population;
+  std::vector<Candidate> population(kPopulation, search.centre()), trials = population;
   for (Candidate& p : population)
     for (int a = 0; a < p.u.size(); ++a) {
       const int points = map.cells[std::size_t(a)], at = cell[std::size_t(a)];
@@ -132,7 +132,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   while (!search.over()) {
     while (!search.over() && spread(population) > kConverged)
       evolve([&](std::span<Candidate> p) { search.evaluate(p); }, random, population, trials, {});
-    scatter(search.best(), random, population);  // once more, from a narrow population
+    sample_around(search.best(), random, population);  // restart, narrow
     search.evaluate(population);
   }
   return search.judge(options.tight);
@@ -161,7 +161,7 @@ PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const Ma
 }
 
 PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {
-  // A row of the last variable is one batch: its landings are alike, so that lanes meet their events together.
+  // A row of the last variable is one batch: its landings are similar, so that lanes reach their events together.
   return map_peaks(
       space.variables(), options, 0, [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> row) {
         std::vector<DrivenMotion> plays;
@@ -180,7 +180,7 @@ PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions
       });
 }
 
-std::vector<Candidate> descents(const PeakMap& map, const MapOptions& options, const Descend& descend) {
+std::vector<Candidate> distinct_basins(const PeakMap& map, const MapOptions& options, const Descend& descend) {
   if (options.monitor.stopped()) return {};
   std::vector<std::size_t> minima = local_minima(map);
   minima.resize(std::min(minima.size(), std::size_t(options.polished)));
@@ -207,7 +207,7 @@ std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const Pe
   if (int(map.variables.size()) != space.dimension() || map.cells.size() != map.variables.size())
     throw InputError("map: its variables are not those of the motion");
   std::vector<Basin> out;
-  for (const Candidate& p : descents(map, options, [&](const PeakMap::Place&cell, std::uint64_t n) {
+  for (const Candidate& p : distinct_basins(map, options, [&](const PeakMap::Place&cell, std::uint64_t n) {
          return descend(scene, space, map, cell, options, n);
        })) {
     const Coordinates x = space.values(p.u);

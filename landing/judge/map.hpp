@@ -1,4 +1,4 @@
-// The whole box of a motion space on a grid, or a slice of it, and the basins that it shows.
+// Peaks on a grid over the box of a motion space, or a slice of it, and the basins found from it.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct MapOptions {
   MotionValues slice;      ///< values of the fixed variables; empty: the middle of their ranges
   double accuracy = 1e-5;  ///< of the grid's landings
   double tight = 1e-9;     ///< of the basins
-  int polished = 24;       ///< number of the grid's best local minima that a local search starts from
+  int polished = 24;       ///< number of the grid's best local minima from which a local search starts
   std::uint64_t seed = 1;
   int threads = 0;
   Monitor monitor;        ///< progress in the grid's rows, and in the basins
@@ -25,13 +25,13 @@ struct MapOptions {
 
 struct PeakMap {
   struct Cell {
-    double peak;            ///< [m/s^2], with loads the worth; NaN where there is none, see `end`
-    ContactOrder contacts;  ///< in which the points touch
-    int peak_contact;       ///< which of them made the peak; -1: none
+    double peak;            ///< [m/s^2], with loads their `worth`; NaN where there is none, see `end`
+    ContactOrder contacts;  ///< of the contact points
+    int peak_contact;       ///< index of the one of the peak; -1: none
     bool joint_lost;        ///< see LandingPeak
     End end;                ///< kStopped: not played, as the monitor stopped the map
   };
-  using Place = std::vector<int>;   ///< a number of a point along each variable
+  using Place = std::vector<int>;   ///< index of a point along each variable
   std::vector<Variable> variables;  ///< of the motion space
   Place cells;                      ///< points along each
   MotionValues slice;               ///< values of the variables with one point
@@ -41,7 +41,7 @@ struct PeakMap {
   /// The value of a variable at its i-th point.
   double coordinate(int variable, int i) const;
   MotionValues values(const Place& at) const;
-  /// The points at most one away along every variable, the point itself included.
+  /// The points at most one step away along every variable, the point itself included.
   std::vector<std::size_t> neighbours(std::size_t index) const;
 };
 
@@ -50,8 +50,8 @@ struct MotionRange {
   double Motion::*number;
   double low, high;
 };
-/// The peaks of a motion where two of its numbers go over their ranges, `cells` values each (2 to 4096), the others as
-/// they are; row by row, the first row at y.low [m/s^2]. NaN where a landing could not be followed.
+/// The peaks of a motion over the ranges of two of its numbers, `cells` values each (2 to 4096), the others fixed; row
+/// by row, the first row at y.low [m/s^2]. NaN where a landing could not be followed.
 [[nodiscard]] std::vector<double> peak_slice(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                              const MotionRange& x, const MotionRange& y, int cells, int threads = 0);
 

@@ -1,4 +1,4 @@
-// A grid of peaks and its basins, for any robot: what the map of the paper's robot and that of a robot of links share.
+// A grid of peaks and its basins, shared by the maps of the paper's robot and of robots of links.
 #pragma once
 
 #include <functional>
@@ -11,18 +11,18 @@ namespace ukemi::landing {
 
 /// Plays the cells of the grid from index `first` on; called from several threads.
 using PlayCells = std::function<void(const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells)>;
-/// Every point of a grid over variables, `row` neighbours along the last of them at a time (0: all of them; another
-/// number divides them), until the monitor stops it. Throws InputError for options that do not fit the variables.
+/// Every point of a grid over variables, `row` neighbours along the last variable at a time (0: all; else a divisor of
+/// their number), until the monitor stops it. Throws InputError for options that do not fit the variables.
 [[nodiscard]] PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
                                 const PlayCells& play);
 
 /// The grid's points that are as low as all their neighbours, the lowest first.
 [[nodiscard]] std::vector<std::size_t> local_minima(const PeakMap& map);
 
-/// The place in the cube of the n-th local minimum's basin, from its cell on; kNoMotion where none could be followed.
+/// The minimum of a local search from the cell of the n-th local minimum; kNoMotion where none could be followed.
 using Descend = std::function<Candidate(const PeakMap::Place& cell, std::uint64_t n)>;
-/// Distinct basins of the best local minima, the best first; where the monitor stops it, those whose
-/// search has ended.
-[[nodiscard]] std::vector<Candidate> descents(const PeakMap& map, const MapOptions& options, const Descend& descend);
+/// Distinct basins of the best local minima, the best first; where the monitor stops it, those of finished searches.
+[[nodiscard]] std::vector<Candidate> distinct_basins(const PeakMap& map, const MapOptions& options,
+                                                     const Descend& descend);
 
 }  // namespace ukemi::landing

@@ -24,12 +24,12 @@ constexpr long kChunk = 16'384;     // landings that are held in memory at once
 double peak_of(const LandingPeak& l) { return counted(l, std::numeric_limits<double>::infinity()); }
 bool followed(const LandingPeak& l) { return std::isfinite(peak_of(l)); }
 
-/// Plays chunk after chunk, and reports the landings as progress.
-class Course {
+/// Plays drops, and reports the landings as progress.
+class DropRunner {
  public:
-  Course(const RiskOptions& options, long planned) : options_(options), planned_(planned) {}
+  DropRunner(const RiskOptions& options, long planned) : options_(options), planned_(planned) {}
 
-  /// Whether the last play was cut off, as all will be from then on.
+  /// Whether a play was cut off; all later ones are too.
   bool stopped() const { return stopped_; }
   const std::vector<LandingPeak>& play(ScatteredLandings& landings, const DrivenMotion& play,
                                        std::span<const ScatteredDrop> drops, const Limits& limits = {}) {
@@ -50,7 +50,7 @@ class Course {
   bool stopped_ = false;
 };
 
-/// The limit that an event passes; none for a touch, which the landing's own result has.
+/// The limit of an event; none for a touch, which the landing reports.
 Limits limits_of(const RiskEvent& event, const Scene& scene) {
   Limits out;
   if (event.kind == RiskEvent::Kind::kSpeed) out.motor_speed = event.limit;
@@ -70,71 +70,71 @@ std::vector<RiskEvent> events_of(const Scene& scene, const Actuator& actuator, c
   return out;
 }
 
-/// Lands a plan, and counts how often its limits are passed: what keeps all of them is followed to its end at once, the
-/// others once more without limits and once with each.
-class Lander {
+/// Plays a plan and counts exceeded limits: landings that keep all limits are played once, the others again without
+/// limits and once with each.
+class LimitCounter {
  public:
-  Lander(const DrivenMotion& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
+  LimitCounter(const DrivenMotion& planned, std::vector<RiskEvent>& events, const Scene& scene) : planned_(planned) {
     for (RiskEvent& e : events) {
       const Limits l = limits_of(e, scene);
       if (!l.any()) continue;
-      each_.push_back({&e, l});
-      all_.motor_speed = std::min(all_.motor_speed, l.motor_speed);
-      all_.motor_torque = std::min(all_.motor_torque, l.motor_torque);
-      if (l.joint_stops()) all_.joint = l.joint;
+      event_limits_.push_back({&e, l});
+      all_limits_.motor_speed = std::min(all_limits_.motor_speed, l.motor_speed);
+      all_limits_.motor_torque = std::min(all_limits_.motor_torque, l.motor_torque);
+      if (l.joint_stops()) all_limits_.joint = l.joint;
     }
   }
 
-  /// The landings without limits. What a course that has stopped leaves is of no use, and not counted.
-  const std::vector<LandingPeak>& land(std::span<const ScatteredDrop> drops, Course& course) {
-    landed_ = course.play(landings_, planned_, drops, all_);
-    std::vector<std::size_t> places;
+  /// The landings without limits. Where the runner stops, they are incomplete and not counted.
+  const std::vector<LandingPeak>& land(std::span<const ScatteredDrop> drops, DropRunner& runner) {
+    landed_ = runner.play(landings_, planned_, drops, all_limits_);
+    std::vector<std::size_t> indices;
     std::vector<ScatteredDrop> broken;
     for (std::size_t i = 0; i < drops.size(); ++i)
-      if (landed_[i].end == End::kBroken) places.push_back(i), broken.push_back(drops[i]);
+      if (landed_[i].end == End::kBroken) indices.push_back(i), broken.push_back(drops[i]);
     if (broken.empty()) return landed_;
-    const std::vector<LandingPeak>& whole = course.play(landings_, planned_, broken);
-    for (std::size_t k = 0; k < places.size(); ++k) landed_[places[k]] = whole[k];
+    const std::vector<LandingPeak>& unlimited = runner.play(landings_, planned_, broken);
+    for (std::size_t k = 0; k < indices.size(); ++k) landed_[indices[k]] = unlimited[k];
     std::vector<long> counts;
-    for (const auto& [event, limits] : each_) counts.push_back(broken_by(limits, places, broken, course));
-    for (std::size_t k = 0; k < counts.size() && !course.stopped(); ++k) each_[k].first->drops += counts[k];
+    for (const auto& [event, limits] : event_limits_) counts.push_back(broken_by(limits, indices, broken, runner));
+    for (std::size_t k = 0; k < counts.size() && !runner.stopped(); ++k) event_limits_[k].first->drops += counts[k];
     return landed_;
   }
 
  private:
-  /// How many of these drops, of those that can be followed, break these limits; all break some.
-  long broken_by(const Limits& limits, const std::vector<std::size_t>& places, std::span<const ScatteredDrop> drops,
-                 Course& course) {
-    const auto* each = each_.size() > 1 ? &course.play(landings_, planned_, drops, limits) : nullptr;
+  /// How many of these drops, of those that can be followed, break these limits; each breaks some limit.
+  long broken_by(const Limits& limits, const std::vector<std::size_t>& indices, std::span<const ScatteredDrop> drops,
+                 DropRunner& runner) {
+    const auto* limited = event_limits_.size() > 1 ? &runner.play(landings_, planned_, drops, limits) : nullptr;
     long out = 0;
-    for (std::size_t k = 0; k < places.size(); ++k)
-      out += followed(landed_[places[k]]) && (!each || (*each)[k].end == End::kBroken);
+    for (std::size_t k = 0; k < indices.size(); ++k)
+      out += followed(landed_[indices[k]]) && (!limited || (*limited)[k].end == End::kBroken);
     return out;
   }
 
   DrivenMotion planned_;
-  std::vector<std::pair<RiskEvent*, Limits>> each_;
-  Limits all_;
+  std::vector<std::pair<RiskEvent*, Limits>> event_limits_;
+  Limits all_limits_;
   ScatteredLandings landings_;
   std::vector<LandingPeak> landed_;
 };
 
-/// What is counted while the drops are played.
-class Census {
+/// Collects the results of the drops.
+class RiskCensus {
  public:
-  Census(std::vector<RiskEvent>& events) : events_(events) {}
+  RiskCensus(std::vector<RiskEvent>& events) : events_(events) {}
 
   void add(long first, std::span<const ScatteredDrop> drops, const std::vector<LandingPeak>& landed,
            const std::vector<LandingPeak>& held) {
-    for (const LandingPeak& l : held) peaks_.held(peak_of(l)), held_lost_ += followed(l) && l.joint_lost;
+    for (const LandingPeak& l : held) peaks_.add_held(peak_of(l)), held_lost_ += followed(l) && l.joint_lost;
     for (const ScatteredDrop& d : drops) from_floor_ += d.from_floor;
     for (std::size_t i = 0; i < landed.size(); ++i) {
       const LandingPeak& l = landed[i];
-      if (!peaks_.motion(peak_of(l))) continue;
+      if (!peaks_.add_motion(peak_of(l))) continue;
       lost_ += l.joint_lost;
       worst_.emplace_back(-l.peak, first + long(i));
       const int n = l.peak_contact;
-      peaks_.contact(n + 1, n < 0 ? -1 : int(l.contacts[n]));
+      peaks_.add_contact(n + 1, n < 0 ? -1 : int(l.contacts[n]));
       for (RiskEvent& e : events_)
         if (e.kind == RiskEvent::Kind::kTouch) e.drops += l.contacts.touched(Point(e.point));
     }
@@ -143,11 +143,11 @@ class Census {
     worst_.resize(kept);
   }
 
-  void finish(Risk& out) const {
-    peaks_.finish(out);
+  void report(Risk& out) const {
+    peaks_.report(out);
     out.lost = lost_, out.held_lost = held_lost_, out.from_floor = from_floor_;
   }
-  /// Places of the worst drops, and their peaks below 0.
+  /// Negative peaks and indices of the worst drops.
   const std::vector<std::pair<double, long>>& worst() const { return worst_; }
 
  private:
@@ -167,40 +167,40 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
   Risk out;
   out.events = events_of(model.scene(), actuator, options);
   const IndexPlan plan(model.sampler(), drawn ? options.samples : 0);
-  Course course(options, n + (drawn ? std::min(n, Risk::kHeldDrops) : n) + plan.landings());
-  Census census(out.events);
-  Lander lander(planned, out.events, model.scene());
-  ScatteredLandings of_held;
-  for (long first = 0; first < n && !course.stopped(); first += kChunk) {
+  DropRunner runner(options, n + (drawn ? std::min(n, Risk::kHeldDrops) : n) + plan.landings());
+  RiskCensus census(out.events);
+  LimitCounter limit_counter(planned, out.events, model.scene());
+  ScatteredLandings held_landings;
+  for (long first = 0; first < n && !runner.stopped(); first += kChunk) {
     const long count = std::min(kChunk, n - first);
-    std::vector<ScatteredDrop> made;
-    if (drawn) made = model.even(count, options.seed, first);
+    std::vector<ScatteredDrop> generated;
+    if (drawn) generated = model.even(count, options.seed, first);
     const std::span<const ScatteredDrop> drops =
-        drawn ? std::span<const ScatteredDrop>(made)
+        drawn ? std::span<const ScatteredDrop>(generated)
               : std::span(options.measured).subspan(std::size_t(first), std::size_t(count));
     const auto held_drops = drops.first(std::size_t(drawn ? std::clamp(Risk::kHeldDrops - first, 0L, count) : count));
-    const std::vector<LandingPeak>& landed_held = course.play(of_held, held, held_drops);
-    const std::vector<LandingPeak>& landed = lander.land(drops, course);
-    if (course.stopped()) break;
+    const std::vector<LandingPeak>& landed_held = runner.play(held_landings, held, held_drops);
+    const std::vector<LandingPeak>& landed = limit_counter.land(drops, runner);
+    if (runner.stopped()) break;
     census.add(first, drops, landed, landed_held);
-    course.played(count + long(held_drops.size()));
+    runner.played(count + long(held_drops.size()));
   }
-  census.finish(out);
-  for (const auto& [peak, place] : census.worst())
+  census.report(out);
+  for (const auto& [peak, index] : census.worst())
     out.worst.push_back(
-        {drawn ? model.even(1, options.seed, place).front() : options.measured[std::size_t(place)], -peak});
-  out.why_none = drawn ? plan.why_none(course.stopped()) : Risk::WhyNone::kMeasured;
+        {drawn ? model.even(1, options.seed, index).front() : options.measured[std::size_t(index)], -peak});
+  out.why_none = drawn ? plan.why_none(runner.stopped()) : Risk::WhyNone::kMeasured;
   if (out.why_none != Risk::WhyNone::kThere) return out;
-  ScatteredLandings of_indices;
-  plan.work_out(out, kChunk, options.seed, options.threads,
-                [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
-                  const std::vector<LandingPeak>& l = course.play(of_indices, planned, model.drops(points, count));
-                  if (course.stopped()) return std::nullopt;
-                  course.played(count);
-                  std::vector<double> peaks;
-                  for (const LandingPeak& x : l) peaks.push_back(peak_of(x));
-                  return peaks;
-                });
+  ScatteredLandings index_landings;
+  plan.compute(out, kChunk, options.seed, options.threads,
+               [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
+                 const std::vector<LandingPeak>& l = runner.play(index_landings, planned, model.drops(points, count));
+                 if (runner.stopped()) return std::nullopt;
+                 runner.played(count);
+                 std::vector<double> peaks;
+                 for (const LandingPeak& x : l) peaks.push_back(peak_of(x));
+                 return peaks;
+               });
   return out;
 }
 

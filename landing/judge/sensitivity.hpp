@@ -1,4 +1,4 @@
-// How far a landing's peak can be trusted as a number.
+// Numerical trust in the peak of a landing.
 #pragma once
 
 #include <cstdint>
@@ -10,31 +10,31 @@
 
 namespace ukemi::landing {
 
-/// A change of the peak by more than this is not one of rounding: the landing is sensitive, or the number is wrong.
+/// A larger relative change of the peak is not rounding: the landing is sensitive, or the number is wrong.
 inline constexpr double kCliff = 1e-3;
 
 struct Sensitivity {
   double error_estimate =
       0;                   ///< relative change of the peak when every step's tolerance is a hundredth (at least 1e-13)
-  double change = 0;       ///< largest relative change of that tighter peak over scenes moved by 1e-6 relative
+  double change = 0;       ///< largest relative change of the tighter peak over scenes perturbed by 1e-6
   bool sensitive = false;  ///< change > kCliff: the motion is close to a cliff of the objective
-  bool checked = false;    ///< the tighter run could be followed; else nothing of the rest is known
+  bool checked = false;    ///< the tighter run could be followed; else the rest is unknown
   bool right = false;      ///< the tighter run gives the same peak within kCliff, or the landing is sensitive
 };
 
-/// Runs the landing again, tighter, and so on `draws` scenes of which every number is moved by 1e-6 relative, up or
-/// down at random. Only runs that did not fail are compared, their energy balance included (see `simulate`): a number
-/// that moves with the tolerance and not with the scene is wrong, not sensitive.
+/// Repeats the landing at a tighter tolerance, also on `draws` scenes with every number perturbed by +-1e-6 relative at
+/// random. Only runs that did not fail, their energy balance included (see `simulate`), are compared: a peak that
+/// changes with the tolerance and not with the scene is wrong, not sensitive.
 [[nodiscard]] Sensitivity sensitivity(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                       const SimulateOptions& options, double peak, int draws = 8,
                                       std::uint64_t seed = 1);
 
-/// Sensitivity of anything that falls. `play` is the peak at a tolerance, of the scene or of one that a random number
-/// moves; none where the run failed.
-using PeakOfMoved = std::function<std::optional<double>(double accuracy, Random* random)>;
-[[nodiscard]] Sensitivity sensitivity(double peak, double accuracy, const PeakOfMoved& play, int draws,
+/// Sensitivity of any robot. `play`: the peak at an accuracy, of the scene or (with `random`) a perturbed one; absent
+/// where the run failed.
+using PerturbedPeak = std::function<std::optional<double>(double accuracy, Random* random)>;
+[[nodiscard]] Sensitivity sensitivity(double peak, double accuracy, const PerturbedPeak& play, int draws,
                                       std::uint64_t seed);
-/// Moves a number of a scene by 1e-6 relative, up or down.
-void move_a_little(double& x, Random& random);
+/// Changes a number by +-1e-6 relative at random.
+void perturb(double& x, Random& random);
 
 }  // namespace ukemi::landing

@@ -15,22 +15,22 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// What each base point adds to the sums that the indices are made of, a row a point: f and f^2 over A and B, then for
-/// each group the terms of its first and of its total index. f counts from the mean.
+/// The terms of each base point in the sums of the indices, a row a point: f and f^2 over A and B, then for each group
+/// those of its first-order and total index; f minus the mean.
 class Terms {
  public:
   Terms(std::span<const double> f_a, std::span<const double> f_b, std::span<const std::vector<double>> f_ab)
       : width_(2 + 2 * f_ab.size()) {
-    std::vector<std::size_t> good;
+    std::vector<std::size_t> finite_points;
     double sum = 0;
     for (std::size_t i = 0; i < f_a.size(); ++i) {
       bool finite = std::isfinite(f_a[i]) && std::isfinite(f_b[i]);
       for (const std::vector<double>& f : f_ab) finite = finite && std::isfinite(f[i]);
-      if (finite) good.push_back(i), sum += f_a[i] + f_b[i];
+      if (finite) finite_points.push_back(i), sum += f_a[i] + f_b[i];
     }
-    const double mean = sum / double(2 * good.size());
-    rows_.reserve(good.size() * width_);
-    for (const std::size_t i : good) {
+    const double mean = sum / double(2 * finite_points.size());
+    rows_.reserve(finite_points.size() * width_);
+    for (const std::size_t i : finite_points) {
       const double a = f_a[i] - mean, b = f_b[i] - mean;
       rows_.insert(rows_.end(), {a + b, a * a + b * b});
       for (const std::vector<double>& f : f_ab) {
@@ -41,7 +41,7 @@ class Terms {
   }
 
   std::size_t points() const { return rows_.size() / width_; }
-  /// First and total index of each group over the points that `index` names.
+  /// First-order and total index of each group over the points index(0), index(1), ... (bootstrap).
   template <class Index>
   std::vector<std::pair<double, double>> indices(Index&& index) const {
     std::vector<double> sums(width_, 0.0);
@@ -67,7 +67,7 @@ class Terms {
   std::vector<double> rows_;
 };
 
-/// Draws in which nothing varied give no index.
+/// 95 % percentile interval; draws in which nothing varied are excluded.
 Interval interval(double value, std::vector<double> draws) {
   std::erase_if(draws, [](double x) { return !std::isfinite(x); });
   if (draws.empty()) return {value, kNaN, kNaN};
@@ -81,8 +81,8 @@ Interval interval(double value, std::vector<double> draws) {
 std::vector<SobolIndex> sobol_indices(std::span<const double> f_a, std::span<const double> f_b,
                                       std::span<const std::vector<double>> f_ab, std::uint64_t seed, int threads) {
   constexpr int kDraws = 1000;
-  const auto as_long = [&](const auto& f) { return f.size() == f_a.size(); };
-  if (!as_long(f_b) || !std::all_of(f_ab.begin(), f_ab.end(), as_long))
+  const auto same_size = [&](const auto& f) { return f.size() == f_a.size(); };
+  if (!same_size(f_b) || !std::all_of(f_ab.begin(), f_ab.end(), same_size))
     throw InputError("sobol: values of " + std::to_string(f_a.size()) + " points: all must be as many");
   const Terms terms(f_a, f_b, f_ab);
   const std::size_t n = terms.points();

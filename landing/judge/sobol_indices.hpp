@@ -1,4 +1,4 @@
-// How much of a value's variance each group of uncertain numbers brings: Sobol's indices.
+// Sobol's indices: the share of a variance that each group of uncertain numbers causes.
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,18 @@ struct Interval {
   double value, low, high;
 };
 
-/// Shares of the variance that one group brings. In sum the first are at most 1, the totals at least 1.
+/// Shares of the variance due to one group. The first-order indices sum to at most 1, the totals to at least 1.
 struct SobolIndex {
-  Interval first;  ///< by itself: what would go, on average, if it were known
-  Interval total;  ///< with what it does together with others: what would be left if all else were known
+  Interval first;  ///< first order: what would vanish, on average, if the group were known
+  Interval total;  ///< with interactions: what would remain if all other groups were known
 };
 
-/// Indices by n base points of two independent sets A and B: f_a and f_b are the values at their points, f_ab[g] those
-/// at the points of A with the numbers of group g from B. First order after Saltelli et al. 2010 (Table 2, b), about
-/// the mean; total after Jansen 1999. Intervals: percentiles of 1000 bootstrap samples of the base points, drawn from
-/// the seed; points of a Sobol sequence do better than they say. A base point with a value that is not finite is left
-/// out. NaN where nothing varies or fewer than two points are left; values that are not as many as each
-/// other: InputError. `threads` has no influence on the result.
+/// Indices from n base points of two independent sets A and B: f_a and f_b are the values at their points, f_ab[g]
+/// those at the points of A with the numbers of group g from B. First order after Saltelli et al. 2010 (Table 2, b),
+/// about the mean; total after Jansen 1999. Intervals: percentiles of 1000 bootstrap samples of the base points, drawn
+/// from the seed; conservative for points of a Sobol sequence. Base points with a value that is not finite are
+/// excluded. NaN where nothing varies or fewer than two points remain. Throws InputError for different numbers of
+/// values. `threads` has no influence on the result.
 std::vector<SobolIndex> sobol_indices(std::span<const double> f_a, std::span<const double> f_b,
                                       std::span<const std::vector<double>> f_ab, std::uint64_t seed, int threads = 0);
 

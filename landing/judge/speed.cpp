@@ -26,8 +26,8 @@ std::vector<RatedPlan> rated_plans(const Scene& scene, const Actuator& actuator,
     o.limits.motor_speed = o.limits.reference_rate = speed, o.limits.motor_torque = torque;
     return optimize(scene, space, o);
   };
-  const auto better = [](Optimum& mine, const Optimum& lesser) {
-    if (lesser.found && (!mine.found || lesser.value < mine.value)) mine = lesser;
+  const auto improve = [](Optimum& best, const Optimum& weaker) {
+    if (weaker.found && (!best.found || weaker.value < best.value)) best = weaker;
   };
   std::vector<RatedPlan> out;
   const std::size_t columns = options.torques.size(), searches = 2 * columns * options.speeds.size();
@@ -39,8 +39,8 @@ std::vector<RatedPlan> rated_plans(const Scene& scene, const Actuator& actuator,
       if (const double peak = plan.tolerant.landing.peak;
           plan.tolerant.found && (!plan.lowest.found || peak < plan.lowest.value))
         plan.lowest = plan.tolerant, plan.lowest.value = peak;
-      for (const std::size_t lesser : {i > 0 ? out.size() - columns : out.size(), j > 0 ? out.size() - 1 : out.size()})
-        if (lesser < out.size()) better(plan.lowest, out[lesser].lowest), better(plan.tolerant, out[lesser].tolerant);
+      for (const std::size_t weaker : {i > 0 ? out.size() - columns : out.size(), j > 0 ? out.size() - 1 : out.size()})
+        if (weaker < out.size()) improve(plan.lowest, out[weaker].lowest), improve(plan.tolerant, out[weaker].tolerant);
       out.push_back(plan);
       monitor.progress(long(2 * out.size()), long(searches));
     }

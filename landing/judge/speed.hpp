@@ -1,4 +1,4 @@
-// What speed buys: the best motions against the motor's ratings.
+// The best motions as functions of the motor's ratings.
 #pragma once
 
 #include <vector>
@@ -8,20 +8,20 @@
 
 namespace ukemi::landing {
 
-/// The best motions of a motor that turns at most at `speed` and pulls at most with `torque`, everywhere in the
-/// execution box; the reference is no faster than the motor.
+/// The best motions within the ratings `speed` and `torque` of a motor, everywhere in the execution box; `speed` limits
+/// the reference too.
 struct RatedPlan {
   double speed, torque;      ///< [rad/s], [Nm]
   Optimum lowest, tolerant;  ///< by the peak, by the tolerant peak
 };
 
 struct RatingOptions {
-  std::vector<double> speeds, torques;  ///< above 0, rising
-  OptimizeOptions search;               ///< each search's; its goal and limits of the motor are set here
+  std::vector<double> speeds, torques;  ///< above 0, increasing
+  OptimizeOptions search;               ///< of each search; its goal and limits of the motor are overwritten
 };
 
-/// Every torque at every speed, speeds first. A motion that a lesser motor can play is one of a better motor's: none of
-/// them is worse.
+/// Every torque at every speed, the torque fastest. A weaker motor's plan is taken over where it is better, so that no
+/// plan is worse than that of a weaker motor.
 [[nodiscard]] std::vector<RatedPlan> rated_plans(const Scene& scene, const Actuator& actuator,
                                                  const RatingOptions& options);
 

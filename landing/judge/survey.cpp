@@ -19,13 +19,13 @@ MappedPeaks mapped(const std::function<PeakMap()>& play) {
 
 Survey survey(const Scene& scene, const MotionSpace& space, const SurveyOptions& options) {
   Survey out{mapped([&] { return map_peaks(scene, space, options.map); }), scene, {}};
-  MapOptions near = options.map;
-  near.monitor = options.basins;
-  const std::vector<Basin> found = basins(scene, space, out.map, near);
+  MapOptions search = options.map;
+  search.monitor = options.basins;
+  const std::vector<Basin> found = basins(scene, space, out.map, search);
   for (const Basin& b : found) {
     out.basins.push_back(
         {b, evidence(scene, space, b.values,
-                     {.accuracy = near.tight, .threads = near.threads, .monitor = {{}, options.evidence.stop}})});
+                     {.accuracy = search.tight, .threads = search.threads, .monitor = {{}, options.evidence.stop}})});
     options.evidence.progress(long(out.basins.size()), long(found.size()));
   }
   return out;

@@ -1,4 +1,4 @@
-// The box of motions surveyed: its map, the basins that the map shows, and what each of them is worth.
+// A survey of the box of motions: its map, the basins found from it, and the evidence of each.
 #pragma once
 
 #include <functional>
@@ -18,14 +18,14 @@ struct Basin {
   DrivenMotion play;
   double peak;
 };
-/// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those whose search
-/// has ended.
+/// The distinct basins of the grid's best local minima, the best first; where the monitor stops it, those of finished
+/// searches.
 [[nodiscard]] std::vector<Basin> basins(const Scene& scene, const MotionSpace& space, const PeakMap& map,
                                         const MapOptions& options = {});
 
 struct SurveyOptions {
   MapOptions map;            ///< its monitor: progress in the grid's rows
-  Monitor basins, evidence;  ///< progress in basins found, and judged
+  Monitor basins, evidence;  ///< progress in searches of basins, and in their evidence
 };
 
 struct JudgedBasin {
@@ -33,15 +33,15 @@ struct JudgedBasin {
   Evidence evidence;
 };
 
-/// A map, whatever falls.
+/// A map of any kind of robot.
 struct MappedPeaks {
   PeakMap map;
-  double map_seconds = 0;  ///< that the map took
+  double map_seconds = 0;  ///< time of the map
   /// Landings of the grid that could not be followed, that were not played, whose drive lost the joint, that broke a
   /// limit of the scene.
   long failed = 0, missing = 0, lost = 0, broken = 0;
 };
-/// The map that `play` makes, timed and counted.
+/// The map made by `play`, with its time and counts.
 [[nodiscard]] MappedPeaks mapped(const std::function<PeakMap()>& play);
 
 struct Survey : MappedPeaks {

@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kAccuracy = 1e-5;  // peaks to some 1e-4
 
-/// Plays over drops, in parts: memory stays bounded.
-class Players {
+/// Plays over drops, in parts so that memory stays bounded.
+class DropPlayer {
  public:
-  Players(const MotionSpace& space, const UnderScatterOptions& options) : space_(space), options_(options) {}
+  DropPlayer(const MotionSpace& space, const UnderScatterOptions& options) : space_(space), options_(options) {}
   std::vector<double> peaks(const DrivenMotion& p, std::span<const ScatteredDrop> drops, const Limits& limits) {
     constexpr std::size_t kPart = 2048;
     std::vector<double> out;
@@ -46,7 +46,7 @@ std::vector<double> finite(std::vector<double> x) {
   return x;
 }
 
-/// A reference that is constant at phi, after the planned move in the air, if there is one.
+/// A reference that is constant at phi, with the release and move in the air of the planned motion.
 Motion holding(double phi, const Motion& planned) {
   Motion m{phi, phi, 1};
   m.reposition = planned.reposition;
@@ -55,8 +55,8 @@ Motion holding(double phi, const Motion& planned) {
 
 }  // namespace
 
-Scatter scatter_for(const std::optional<Scatter>& asked, const Scene& scene) {
-  return asked ? *asked : scene.scatter.value_or(Scatter::assumed());
+Scatter scatter_for(const std::optional<Scatter>& requested, const Scene& scene) {
+  return requested ? *requested : scene.scatter.value_or(Scatter::assumed());
 }
 
 void RobustOptions::validate() const {
@@ -79,7 +79,7 @@ std::shared_ptr<const Robust> robust_goal(const DropModel& model, const RobustOp
   auto robust = std::make_shared<Robust>();
   robust->measure = *options.measure, robust->penalty = options.penalty;
   robust->drops = model.even(options.samples, seed);
-  robust->judging = model.even(options.judging, judging_seed(seed));
+  robust->judging = model.even(options.judging, selection_seed(seed));
   return robust;
 }
 
@@ -87,19 +87,19 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
                            const UnderScatterOptions& options) {
   options.validate();
   const std::vector<ScatteredDrop> drops = model.independent(options.samples, fresh_seed(options.seed));
-  Players play(space, options);
+  DropPlayer player(space, options);
   UnderScatter out;
   Limits limits = options.limits;
   if (model.scene().joint) limits.joint = *model.scene().joint;
-  const std::vector<double> peaks = play.peaks(planned, drops, limits);
+  const std::vector<double> peaks = player.peaks(planned, drops, limits);
   out.planned = distribution(peaks), out.measured = estimated(options.measure, peaks);
-  out.broken = play.broken, out.lost = play.lost;
+  out.broken = player.broken, out.lost = player.lost;
   out.from_floor = std::count_if(drops.begin(), drops.end(), [](const ScatteredDrop& d) { return d.from_floor; });
   if (options.nominal) {
-    const std::vector<double> beside = play.peaks({*options.nominal, planned.sea}, drops, limits);
-    out.nominal = distribution(beside);
+    const std::vector<double> nominal_peaks = player.peaks({*options.nominal, planned.sea}, drops, limits);
+    out.nominal = distribution(nominal_peaks);
     const std::vector<double> followed = finite(peaks);
-    out.histogram = histogram(followed, finite(beside), distribution(followed).q99.value);
+    out.histogram = histogram(followed, finite(nominal_peaks), distribution(followed).q99.value);
   }
   const std::function<bool()> over = [&] { return options.monitor.stopped(); };
   for (std::size_t k = 0; options.rate > 0 && k < std::min(UnderScatter::kShown, drops.size()); ++k) {
@@ -108,8 +108,8 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
         simulate(drops[k].scene, p.sea, p.motion, {.accuracy = kAccuracy, .over = &over}, options.rate));
   }
   const auto held = [&](double phi) { return DrivenMotion{holding(phi, planned.motion), planned.sea}; };
-  out.held = distribution(play.peaks({kHeld, planned.sea}, drops, limits));
-  // The best posture: on a grid, then between the best one's neighbours.
+  out.held = distribution(player.peaks({kHeld, planned.sea}, drops, limits));
+  // The best posture: on a grid, then between the neighbours of the best.
   constexpr int kGrid = 25, kRounds = 2;
   constexpr std::size_t kPostureDrops = 128;
   const auto first_drops =
@@ -119,16 +119,16 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   for (int round = 0; round < kRounds; ++round) {
     const double step = (high - low) / (kGrid - 1);
     const double from = low;
-    for (int i = 0; i < kGrid && !play.stopped(); ++i) {
-      std::vector<double> of_posture = play.peaks(held(from + step * i), first_drops, limits);
+    for (int i = 0; i < kGrid && !player.stopped(); ++i) {
+      std::vector<double> of_posture = player.peaks(held(from + step * i), first_drops, limits);
       const double value = options.measure.of(of_posture);
       if (value < best) best = value, out.posture_phi = from + step * i;
     }
     low = std::max(low, out.posture_phi - step), high = std::min(high, out.posture_phi + step);
   }
-  std::vector<double> of_posture = play.peaks(held(out.posture_phi), drops, limits);
+  std::vector<double> of_posture = player.peaks(held(out.posture_phi), drops, limits);
   out.posture = distribution(of_posture), out.posture_value = options.measure.of(of_posture);
-  out.complete = !play.stopped();
+  out.complete = !player.stopped();
   return out;
 }
 

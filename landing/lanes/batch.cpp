@@ -28,9 +28,10 @@ InstructionSet widest_instruction_set() {
 #endif
 }
 
-InstructionSet quickest_instruction_set(std::size_t landings) {
-  constexpr std::size_t kWide = 12;
-  return landings < kWide ? std::min(widest_instruction_set(), InstructionSet::kAvx2) : widest_instruction_set();
+InstructionSet fastest_instruction_set(std::size_t landings) {
+  constexpr std::size_t kMinForAvx512 = 12;
+  return landings < kMinForAvx512 ? std::min(widest_instruction_set(), InstructionSet::kAvx2)
+                                  : widest_instruction_set();
 }
 
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set) {
@@ -54,7 +55,7 @@ namespace {
 void validate_all(std::span<const BatchCase> cases) {
   const Scene* scene = nullptr;
   const SeaParameters<double>* sea = nullptr;
-  for (const BatchCase& c : cases) {  // most have one scene, or one actuator, in a row
+  for (const BatchCase& c : cases) {  // consecutive cases usually share scene and actuator
     if (!c.scene || !c.sea) throw InputError("batch: a case without a scene or an actuator");
     if (!(c.abandon_above >= 0))
       throw InputError("abandon_above: " + shortest(c.abandon_above) + ": at least 0 is needed");
@@ -72,22 +73,23 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   if (peaks.size() != cases.size())
     throw InputError("batch: " + std::to_string(peaks.size()) + " peaks: " + std::to_string(cases.size()) +
                      " are needed, one for each case");
-  BatchOptions o = options;
+  BatchOptions batch_options = options;
   std::size_t motor_side = 0;
   for (const BatchCase& c : cases) {
-    o.extended = o.extended || is_extended(*c.sea), o.late = o.late || is_late(*c.sea);
+    batch_options.extended = batch_options.extended || is_extended(*c.sea),
+    batch_options.late = batch_options.late || is_late(*c.sea);
     motor_side += c.sea->feedback == Feedback::kMotor;
   }
-  o.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
-  constexpr std::size_t kPart = 24;  // a thread is not worth its start for fewer
-  const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  batch_options.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
+  constexpr std::size_t kMinPerThread = 24;  // fewer landings are not worth a thread
+  const int workers = std::min(thread_count(threads), int((cases.size() + kMinPerThread - 1) / kMinPerThread));
   LandingPeak stopped;
   stopped.end = End::kStopped;
   std::fill(peaks.begin(), peaks.end(), stopped);
   std::atomic<std::size_t> next{0};
-  parallel_for(parts, parts, [&](int) {
+  parallel_for(workers, workers, [&](int) {
     CaseQueue<BatchCase, LandingPeak> queue(cases, peaks, next, options.over);
-    run_batch(queue, o, set);
+    run_batch(queue, batch_options, set);
   });
 }
 

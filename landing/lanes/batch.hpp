@@ -11,7 +11,7 @@
 
 namespace ukemi::landing {
 
-/// One landing to be followed. What it points to must outlive the run.
+/// One landing to simulate. What it points to must outlive the run.
 struct BatchCase {
   const Scene* scene;
   const SeaParameters<double>* sea;
@@ -22,12 +22,12 @@ struct BatchCase {
 struct BatchOptions {
   double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-14..1e-2: the method is of order 5
   Limits limits;           ///< see SimulateOptions
-  /// Some actuator has friction of the motor, a stiffening spring or motor-side feedback. Those with dry friction on
-  /// the output are followed by the scalar path.
+  /// An actuator has friction or other terms of is_extended; if false, such landings run in the scalar path. Output
+  /// friction that falls with speed always does.
   bool extended = false;
-  bool late = false;                      ///< some actuator's drive is late; else the scalar path follows it
-  Feedback feedback = Feedback::kOutput;  ///< of the lanes; the scalar path follows landings with another
-  enum class Long { kScalar, kFail } too_long = Long::kScalar;  ///< what to do with a landing beyond max_steps
+  bool late = false;                      ///< an actuator's drive is late; if false, such landings run scalar
+  Feedback feedback = Feedback::kOutput;  ///< of the lanes; landings with another run scalar
+  enum class OnMaxSteps { kScalar, kFail } on_max_steps = OnMaxSteps::kScalar;  ///< for a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
   const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions
   void validate() const;                        ///< throws InputError

@@ -1,4 +1,4 @@
-// The entry of batch_engine.hpp for so many lanes (batch_kernel.cpp); private to landing.
+// Entry points of batch_engine.hpp by number of lanes (batch_kernel.cpp); private to landing.
 #pragma once
 
 #include "landing/lanes/batch.hpp"

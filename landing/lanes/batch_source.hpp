@@ -1,4 +1,4 @@
-// Landings that are decided as lanes become free.
+// A batch run whose landings are supplied as lanes become free.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@ namespace ukemi::landing {
 
 using BatchSource = LaneSource<BatchCase, LandingPeak>;
 
-/// The fastest set for a number of landings: eight lanes of which half are empty are slower than four.
-InstructionSet quickest_instruction_set(std::size_t landings);
+/// The fastest instruction set for a number of landings: eight half-empty lanes are slower than four.
+InstructionSet fastest_instruction_set(std::size_t landings);
 
-/// Runs a source until every lane is without work, or the source is over. `set` must be one that the machine has.
-/// Allocates nothing, and checks nothing: the cases must be valid.
+/// Runs until no lane has work or the source is over. The machine must have `set`, and the cases be valid. No
+/// allocation.
 void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set = widest_instruction_set());
 
 }  // namespace ukemi::landing

@@ -9,8 +9,8 @@
 #define UKEMI_BATCH_TARGET [[gnu::target("avx512f,avx512dq,avx512vl,avx2,fma,prefer-vector-width=512")]]
 #endif
 
-// Clang does not inline into a function of another target, and refuses Eigen's alignment of wide packs (3.4): it has
-// the baseline alone.
+// Clang does not inline into functions of another target, and rejects Eigen's alignment of wide packs (3.4): it
+// compiles only the baseline.
 #if defined(__clang__) && UKEMI_BATCH_LANES != 2
 #define UKEMI_BATCH_BASELINE_ALONE
 #endif

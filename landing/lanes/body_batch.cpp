@@ -14,7 +14,7 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Without lanes, for a robot that no kernel of lanes holds.
+/// Runs all landings in the scalar path, for a robot that fits no kernel of lanes.
 void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
   const std::function<bool()> over = [&] { return source.over(); };
   for (BodyBatchCase c; !source.over() && source.next(0, c);) {
@@ -65,10 +65,10 @@ void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLandin
   BodyLanding stopped;
   stopped.end = End::kStopped;
   std::fill(landings.begin(), landings.end(), stopped);
-  constexpr std::size_t kPart = 8;  // a thread is not worth its start for fewer
-  const int parts = std::min(thread_count(threads), int((cases.size() + kPart - 1) / kPart));
+  constexpr std::size_t kMinPerThread = 8;  // fewer landings are not worth a thread
+  const int workers = std::min(thread_count(threads), int((cases.size() + kMinPerThread - 1) / kMinPerThread));
   std::atomic<std::size_t> next{0};
-  parallel_for(parts, parts, [&](int) {
+  parallel_for(workers, workers, [&](int) {
     CaseQueue<BodyBatchCase, BodyLanding> queue(cases, landings, next, options.over);
     run_body_batch(queue, cases[0].scene->robot, options, set);
   });

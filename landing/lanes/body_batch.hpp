@@ -1,5 +1,5 @@
-// Many landings of robots of links at once, one in each lane of the machine's SIMD registers: batch.hpp's, with the
-// equations of landing/body in Pack.
+// Many landings of robots of links at once, one in each lane of the SIMD registers, as batch.hpp: the equations of
+// landing/body with Pack as their scalar.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// One landing to be followed. What it points to must outlive the run, or until it is done.
+/// One landing to simulate. What it points to must outlive the run, or live until the landing is done.
 struct BodyBatchCase {
   const BodyScene* scene;
   const BodyMotion* motion;
@@ -23,16 +23,15 @@ struct BodyBatchOptions {
   const std::function<bool()>* over = nullptr;  ///< see SimulateOptions
 };
 
-/// Runs a source until every lane is without work, or the source is over. The robots differ in numbers alone: another
-/// tree than the first one's, Hunt and Crossley's law, limits of joints, loads, a spring that softens, friction of a
-/// drive that asks for fine steps, and robots beyond the largest kernel are followed by the scalar path. The cases must
-/// be valid. `set` must be one that the machine has.
+/// Runs until no lane has work or the source is over. The robots must differ only in numbers: those with another tree
+/// than the first, other loads, Hunt and Crossley's law, a softening spring, drive friction that needs fine steps, or
+/// beyond the largest kernel run in the scalar path. The cases must be valid, and the machine must have `set`.
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options,
                     InstructionSet set = widest_instruction_set());
 
-/// The landings of many cases as peak_acceleration gives them, to the accuracy of the steps; `threads` as everywhere: 0
-/// for all cores, and without influence on the results. Those that `over` cut off come back with End::kStopped. Throws
-/// InputError for a case that is not valid, and for another number of landings than of cases.
+/// Landings of many cases, as by peak_acceleration within the accuracy of the steps. `threads`: 0 for all cores; does
+/// not affect results. Landings that `over` cuts off have End::kStopped. Throws InputError for an invalid case, and if
+/// the numbers of landings and cases differ.
 void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLanding> landings,
                       const BodyBatchOptions& options, int threads = 1, InstructionSet set = widest_instruction_set());
 

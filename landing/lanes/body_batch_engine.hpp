@@ -1,5 +1,4 @@
-// The landings of robots of links in lockstep, see lockstep.hpp: the robots of all lanes are one tree, whose numbers
-// differ.
+// The landings of robots of links in lockstep, see lockstep.hpp: robots of the same tree with different numbers.
 #pragma once
 
 #include "landing/body/body_course.hpp"
@@ -19,12 +18,12 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   using Course = BodyCourse<kSize, false>;  ///< of one lane, in doubles
   using Engine = Lockstep<BodyBatchEngine, System, W>;
   friend Engine;
-  static constexpr bool kMayRub = true;  ///< there may be dry friction
+  static constexpr bool kMayHaveFriction = true;  ///< dry friction is possible
   using Engine::abandon_square_, Engine::active_, Engine::stale_, Engine::kStates;
   using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::peak_, Engine::steps_,
       Engine::accepted_, Engine::shift_;
-  using typename Engine::Largest;
   using typename Engine::M, typename Engine::State, typename Engine::T;
+  using typename Engine::RunningMaximum;
   using Values = typename Course::State;
 
  public:
@@ -33,19 +32,19 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   void run() { this->run_all(source_); }
 
  private:
-  /// Takes the next landing into a lane; landings that no lane can follow are ended on the spot.
+  /// Starts the next landing in lane i; unsupported landings run in the scalar path.
   [[gnu::noinline]] void load(int i) {
     for (BodyBatchCase c;;) {
       active_.set(i, false);
-      if (!source_.next(i, c)) return this->empty(i);
+      if (!source_.next(i, c)) return this->clear_lane(i);
       case_[i] = c;
-      if (!suits(*c.scene)) {
+      if (!is_supported(*c.scene)) {
         hand_over(i);
         continue;
       }
       Course& course = course_[i].emplace(*c.scene, *c.motion);
       Values y = course.released();
-      if (system_.links == 0) system_.take_structure(course.system);
+      if (system_.links == 0) system_.copy_structure(course.system);
       const std::vector<LaneLoad> loads = loads_of_lanes(*c.scene);
       if (!any(active_)) loads_ = loads;
       if (!system_.same_structure(course.system) || !same_loads(loads) ||
@@ -57,15 +56,15 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
       const double fallen = course.fall(y);
       this->begin(i, fallen, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
-      asked_[i] = 0, impact_[i] = impact_energy(course.system), per_square_.set(i, impact_[i]);
-      const double abandon = c.abandon_above * own_rating(*c.scene);
+      last_rest_test_[i] = 0, impact_energy_[i] = impact_energy(course.system), per_square_.set(i, impact_energy_[i]);
+      const double abandon = c.abandon_above * peak_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);
-      bear(i, loads);
-      enter(i);
+      init_loads(i, loads);
+      sync_lane(i);
       return;
     }
   }
-  static bool suits(const BodyScene& scene) {
+  static bool is_supported(const BodyScene& scene) {
     if (!scene.touches() || !fits(scene.robot, kSize)) return false;
     for (const ContactPoint& c : scene.robot.contacts)
       if (c.law.hunt_crossley) return false;
@@ -74,7 +73,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     return true;
   }
 
-  /// The scalar path follows the lane's landing.
+  /// Runs the lane's landing in the scalar path.
   void hand_over(int i) {
     const BodyBatchCase& c = case_[i];
     const BodyLanding l = peak_acceleration(*c.scene, *c.motion,
@@ -97,7 +96,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       const Values y = values(i);
       const bool free = case_[i].scene->robot.base == Base::kFree;
       out.base = {y[System::kX], free ? y[System::kY] : 0}, out.speed = {y[System::kVx], free ? y[System::kVy] : 0};
-      tell_loads(i);
+      report_loads(i);
       source_.done(i, out);
     }
     load(i);
@@ -108,17 +107,17 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     for (int k = 0; k < kStates; ++k) y[k] = step_.y[k][i];
     return y;
   }
-  /// The lane into the mode of its course.
-  void enter(int i) {
+  /// Copies mode, references and deadlines of the lane's course into the lane.
+  void sync_lane(int i) {
     const Course& course = *course_[i];
     system_.set_lane(i, course.system);
-    System::for_each_played(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
+    System::for_each_scheduled(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
     stop_.set(i, course.stop()), longest_.set(i, course.longest_step());
     h_next_.set(i, std::min(h_next_[i], course.longest_step()));
     stale_.set(i, true);
   }
 
-  /// The mode beyond guard g; false where the landing ends there.
+  /// Changes the mode at guard g; false if the landing ends there.
   [[gnu::noinline]] bool cross(int i, int g) {
     Course& course = *course_[i];
     const double t = step_.t[i];
@@ -127,20 +126,20 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     if (crossing.touched >= 0)
       touched(i, crossing.touched);
     else if (crossing.surface)
-      lifted(i, g / System::kOfContact);
+      lifted(i, g / System::kGuardsPerContact);
     if (crossing.lands) land(i);
     settle(i, y);
-    enter(i);
+    sync_lane(i);
     return !(out_[i].broken && case_[i].scene->ends_broken);
   }
 
-  /// What friction no longer holds slips; the lane's rates and slips from y.
+  /// Lets places slip that friction no longer holds; writes the rates and slips of y to the lane.
   void settle(int i, Values& y) {
     course_[i]->settle(step_.t[i], y);
     for (int k = System::kVx; k < kStates; ++k) step_.y[k].set(i, y[k]);
   }
 
-  /// The lane's step has ended at its deadline: the next one, or how the landing ended.
+  /// Handles the deadline at the end of a step; returns how the landing ended, if it did.
   [[gnu::noinline]] std::optional<End> reached(int i) {
     constexpr double kRounding = 1e-14;  // [s]
     Course& course = *course_[i];
@@ -152,36 +151,35 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     }
     if (out_[i].broken && case_[i].scene->ends_broken) return End::kBroken;
     course.advance(t);
-    enter(i);
+    sync_lane(i);
     return std::nullopt;
   }
 
   // --- loads, as load_observer.hpp ---
 
-  /// Of all lanes: one that has its value at every state, or an impulse, whose largest value is that of touches that
-  /// have ended.
-  struct alignas(8 * W) LaneLoad {  // for what is compiled for wider registers than the allocation
-    LoadValue<System> of;
+  /// A load in all lanes: a function of the state, or an impulse, whose maximum is over the touches that have ended.
+  struct alignas(8 * W) LaneLoad {  // the allocation may be compiled for narrower registers
+    LoadValue<System> evaluator;
     int index;  ///< of BodyScene::loads
-    bool own = false;
-    Largest largest{};
-    T most{0.0};  ///< square of what is tracked beyond which a limit is broken, or the landing worse than is asked for
-    M down{false};                              ///< a touch gathers its impulse:
-    std::array<T, 2> gathered{T(0.0), T(0.0)};  ///< [N s]
-    const Load& load() const { return of.load(); }
+    bool is_peak = false;
+    RunningMaximum maximum{};
+    T max_square{0.0};  ///< of the tracked quantity: beyond it a limit is broken, or the landing abandoned
+    M touching{false};  ///< a touch is under way
+    std::array<T, 2> impulse{T(0.0), T(0.0)};  ///< [N s]
+    const Load& load() const { return evaluator.load(); }
     bool is_impulse() const { return load().kind == Load::Kind::kImpulse; }
-    bool is_followed() const { return !own && !is_impulse(); }
+    bool is_tracked() const { return !is_peak && !is_impulse(); }
   };
   std::vector<LaneLoad> loads_of_lanes(const BodyScene& scene) const {
     std::vector<LaneLoad> out;
     for (std::size_t k = 0; k < scene.loads.size(); ++k) {
       const Load& l = scene.loads[k];
-      if (at_every_state(l.kind) || l.kind == Load::Kind::kImpulse)
-        out.push_back({.of{l, system_}, .index = int(k), .own = own(l, scene.robot)});
+      if (is_state_function(l.kind) || l.kind == Load::Kind::kImpulse)
+        out.push_back({.evaluator{l, system_}, .index = int(k), .is_peak = is_peak_acceleration(l, scene.robot)});
     }
     return out;
   }
-  /// Whether loads differ from those of the other lanes by their ratings alone.
+  /// Whether loads differ from those of the other lanes only in their ratings.
   bool same_loads(const std::vector<LaneLoad>& other) const {
     return std::equal(loads_.begin(), loads_.end(), other.begin(), other.end(), [](auto& a, auto& b) {
       const Load &x = a.load(), &y = b.load();
@@ -189,30 +187,30 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
              x.at.across == y.at.across && a.index == b.index && x.limit == y.limit;
     });
   }
-  /// The loads of a landing that begins in a lane.
-  void bear(int i, const std::vector<LaneLoad>& these) {
+  /// Initialises the loads of a landing that starts in lane i.
+  void init_loads(int i, const std::vector<LaneLoad>& loads) {
     for (std::size_t k = 0; k < loads_.size(); ++k) {
       LaneLoad& x = loads_[k];
-      x.of.take_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
-                     [i](T& lanes, double number) { lanes.set(i, number); });
-      const double rating = these[k].load().rating,
-                   most = tracked(x.load(), x.load().limit ? rating : case_[i].abandon_above * rating);
-      x.most.set(i, most * most);
-      x.largest.square.set(i, 0), x.largest.t.set(i, 0), x.largest.start.set(i, 0), x.down.set(i, false);
+      x.evaluator.copy_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
+                            [i](T& lanes, double number) { lanes.set(i, number); });
+      const double rating = loads[k].load().rating,
+                   threshold = tracked_value(x.load(), x.load().limit ? rating : case_[i].abandon_above * rating);
+      x.max_square.set(i, threshold * threshold);
+      x.maximum.square.set(i, 0), x.maximum.t.set(i, 0), x.maximum.start.set(i, 0), x.touching.set(i, false);
     }
     out_[i].loads.assign(case_[i].scene->loads.size(), {});
   }
-  void tell_loads(int i) {
+  void report_loads(int i) {
     for (LaneLoad& x : loads_) end_touch(i, x);
     for (const LaneLoad& x : loads_)
-      out_[i].loads[std::size_t(x.index)] = x.own
-                                                ? LoadPeak{out_[i].peak, out_[i].t_peak}
-                                                : LoadPeak{x.of.value(std::sqrt(x.largest.square[i])), x.largest.t[i]};
+      out_[i].loads[std::size_t(x.index)] =
+          x.is_peak ? LoadPeak{out_[i].peak, out_[i].t_peak}
+                    : LoadPeak{x.evaluator.value(std::sqrt(x.maximum.square[i])), x.maximum.t[i]};
   }
   void touched(int i, int contact) {
     for (LaneLoad& x : loads_)
       if (x.is_impulse() && x.load().index == contact)
-        x.down.set(i, true), x.gathered[0].set(i, 0), x.gathered[1].set(i, 0);
+        x.touching.set(i, true), x.impulse[0].set(i, 0), x.impulse[1].set(i, 0);
     const std::vector<Load>& loads = case_[i].scene->loads;
     for (std::size_t k = 0; k < loads.size(); ++k) {
       if (loads[k].kind != Load::Kind::kTouch || loads[k].index != contact) continue;
@@ -225,13 +223,13 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       if (x.is_impulse() && x.load().index == contact) end_touch(i, x);
   }
   void end_touch(int i, LaneLoad& x) {
-    if (!x.down[i]) return;
-    const double square = x.gathered[0][i] * x.gathered[0][i] + x.gathered[1][i] * x.gathered[1][i];
-    x.down.set(i, false);
-    if (square > x.largest.square[i]) x.largest.square.set(i, square), x.largest.t.set(i, step_.t[i]);
-    if (x.load().limit && square > x.most[i]) broken(i, {x.index, step_.t[i]});
+    if (!x.touching[i]) return;
+    const double square = x.impulse[0][i] * x.impulse[0][i] + x.impulse[1][i] * x.impulse[1][i];
+    x.touching.set(i, false);
+    if (square > x.maximum.square[i]) x.maximum.square.set(i, square), x.maximum.t.set(i, step_.t[i]);
+    if (x.load().limit && square > x.max_square[i]) broken(i, {x.index, step_.t[i]});
   }
-  /// The landing motions start.
+  /// Starts the landing motions.
   void land(int i) {
     const double t = step_.t[i];
     const std::vector<Load>& loads = case_[i].scene->loads;
@@ -249,59 +247,60 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   double rest_square(int i) const {
     RestSquare out(peak_.square[i]);
     for (const LaneLoad& x : loads_) {
-      if (x.down[i]) return -1;
-      if (x.is_followed())
-        out.add(x.load().kind, large_square(x.load(), x.largest.square[i], x.most[i]), x.largest.start[i]);
+      if (x.touching[i]) return -1;
+      if (x.is_tracked())
+        out.add(x.load().kind, reference_square(x.load(), x.maximum.square[i], x.max_square[i]), x.maximum.start[i]);
     }
     return out.value();
   }
 
   // --- every lane at once ---
 
-  void start_beside(const M& where) {
+  void start_other_maxima(const M& where) {
     if (!loads_.empty()) start_loads(where);
   }
-  void look_beside() {
-    if (!loads_.empty()) look_at_loads();
+  void track_other_maxima() {
+    if (!loads_.empty()) track_loads();
   }
   UKEMI_BATCH_STAGE void start_loads(const M& where) {
     for (LaneLoad& x : loads_)
-      if (x.is_followed()) this->follow_start(x.largest, where, x.of.square(system_, step_.t, step_.y, step_.slope));
+      if (x.is_tracked())
+        this->track_start(x.maximum, where, x.evaluator.square(system_, step_.t, step_.y, step_.slope));
   }
-  UKEMI_BATCH_STAGE void look_at_loads() {
+  UKEMI_BATCH_STAGE void track_loads() {
     for (LaneLoad& x : loads_) {
-      if (x.is_impulse()) gather(x);
-      if (x.is_followed())
-        this->follow(x.largest, [this, &x](const T& t, const State& y, const State& dy)
-                                    UKEMI_INLINE_LAMBDA { return x.of.square(system_, t, y, dy); });
+      if (x.is_impulse()) integrate_impulse(x);
+      if (x.is_tracked())
+        this->track(x.maximum, [this, &x](const T& t, const State& y, const State& dy)
+                                   UKEMI_INLINE_LAMBDA { return x.evaluator.square(system_, t, y, dy); });
     }
   }
-  /// The accepted steps' parts of the integral of the force, up to their events.
-  UKEMI_INLINE void gather(LaneLoad& x) {
-    const M where = accepted_ & x.down;
+  /// Adds the integrals of the force over the accepted steps, up to their events.
+  UKEMI_INLINE void integrate_impulse(LaneLoad& x) {
+    const M where = accepted_ & x.touching;
     if (!any(where)) return;
     const T part = T(1.0) + shift_ / max(step_.h, T(1e-12)), h = step_.h + shift_;
     for (const auto& [at, weight] : kImpulseNodes) {
       const State y = step_.at(T(at) * part);
       const Vec2<T> f = contact_force(system_, x.load().index, system_.pose(y), y);
-      for (const std::size_t q : {0, 1}) assign(x.gathered[q], where, T(x.gathered[q] + T(weight) * h * f[long(q)]));
+      for (const std::size_t q : {0, 1}) assign(x.impulse[q], where, T(x.impulse[q] + T(weight) * h * f[long(q)]));
     }
   }
-  M beyond(const M& where) const {
+  M abandoned(const M& where) const {
     M out = where & (peak_.square > abandon_square_);
     for (const LaneLoad& x : loads_)
-      if (!x.load().limit && !x.own) out |= where & (x.largest.square > x.most);
+      if (!x.load().limit && !x.is_peak) out |= where & (x.maximum.square > x.max_square);
     return out;
   }
-  /// Lanes whose landing ends there.
+  /// Records broken limits; lanes whose landing ends by one.
   M breaking(const M& where) {
     M out(false);
     for (const LaneLoad& x : loads_) {
       if (!x.load().limit) continue;
-      const M more = where & ((x.own ? peak_.square : x.largest.square) > x.most);
-      if (!any(more)) continue;
+      const M exceeded = where & ((x.is_peak ? peak_.square : x.maximum.square) > x.max_square);
+      if (!any(exceeded)) continue;
       for (int i = 0; i < W; ++i)
-        if (more[i]) broken(i, {x.index, step_.t[i]});
+        if (exceeded[i]) broken(i, {x.index, step_.t[i]});
     }
     for (int i = 0; i < W && !loads_.empty(); ++i)
       if (where[i] && out_[i].broken && case_[i].scene->ends_broken) out.set(i, true);
@@ -309,35 +308,36 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
 
   UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) { return s.peak_square(y, dy); }
-  void peak_moved(int) {}
+  void peak_raised(int) {}
   UKEMI_INLINE const T& longest_step() const { return longest_; }
   void stepped() {}
-  /// Lanes at rest, where the step ended at no event: the rule of body_rest.hpp, where the kinetic energy allows it.
-  UKEMI_INLINE M resting(const M& plain) {
+  /// Lanes at rest among `no_event`, by the rule of body_rest.hpp; the kinetic energy is checked first.
+  UKEMI_INLINE M resting(const M& no_event) {
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
-    constexpr long kAsked = 8;  // steps of a lane between two questions, which cost as much as the steps of all lanes
-    M out = plain & (kinetic_energy(system_.body, p) <= per_square_ * peak_.square);
+    constexpr long kRestTestInterval =
+        8;  // steps of a lane between rest tests, each as expensive as a step of all lanes
+    M out = no_event & (kinetic_energy(system_.body, p) <= per_square_ * peak_.square);
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
       if (out[i]) {
-        const bool ask = steps_[i] >= asked_[i] + kAsked;
-        if (ask) asked_[i] = steps_[i];
-        out.set(i, ask && rests(i));
+        const bool due = steps_[i] >= last_rest_test_[i] + kRestTestInterval;
+        if (due) last_rest_test_[i] = steps_[i];
+        out.set(i, due && rests(i));
       }
     return out;
   }
   [[gnu::noinline]] bool rests(int i) const {
     const Course& course = *course_[i];
-    return course.touched() && !course.waits() &&
-           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_[i]);
+    return course.touched() && !course.detecting() &&
+           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_energy_[i]);
   }
 
   BodyBatchSource& source_;
   const BodyBatchOptions options_;
   const std::function<bool()> over_ = [this] { return source_.over(); };
   T longest_{0.0}, per_square_{0.0};
-  std::array<double, W> impact_{}, asked_{};  ///< energies of impact [J]; steps at the last question for rest
+  std::array<double, W> impact_energy_{}, last_rest_test_{};  ///< see impact_energy; steps at the last rest test
   std::array<std::optional<Course>, W> course_{};
   std::array<BodyBatchCase, W> case_{};
   std::array<BodyLanding, W> out_{};

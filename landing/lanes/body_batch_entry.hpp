@@ -1,4 +1,4 @@
-// The entry of body_batch_engine.hpp for so many lanes (body_batch_kernel.cpp); private to landing.
+// Entry points of body_batch_engine.hpp by number of lanes (body_batch_kernel.cpp); private to landing.
 #pragma once
 
 #include "landing/body/equations.hpp"

@@ -1,4 +1,4 @@
-// The mode of a robot of links whose lanes are landings of their own.
+// The mode of robots of links with a separate landing in each lane.
 #pragma once
 
 #include "landing/body/body_system.hpp"

@@ -1,4 +1,4 @@
-// The mode of a landing system whose lanes are landings of their own.
+// The mode of a landing system with a separate landing in each lane.
 #pragma once
 
 #include "common/pack.hpp"
@@ -6,7 +6,7 @@
 
 namespace ukemi {
 
-/// A sign of every lane: on which side a torque is limited, in which direction a place with dry friction slips.
+/// A sign for every lane: the side of a torque limit, or the direction of a slip.
 template <int W>
 struct LaneSign {
   Mask<W> positive, negative;
@@ -67,7 +67,7 @@ struct LaneMode {
   std::array<LaneSign<W>, kSides> slip{};
   LanePhase<W> phase{};
 
-  /// One lane of it as a mode, and back.
+  /// The mode of lane i.
   Mode lane(int i) const {
     Mode m;
     for (std::size_t j = 0; j < kPoints; ++j)

@@ -10,7 +10,7 @@ enum Point { kHip = 0, kKnee = 1, kFoot = 2 };
 inline constexpr int kPoints = 3;
 inline constexpr std::array<const char*, kPoints> kPointNames = {"hip", "knee", "foot"};
 
-/// Masses and lengths of the robot.
+/// Masses, inertias and lengths of the paper's robot.
 template <class T>
 struct TwoLink {
   std::array<T, 2> mass;         ///< m_0, m_1 [kg], > 0
@@ -25,7 +25,7 @@ struct TwoLink {
   }
 };
 
-/// Components of the state.
+/// Components of the state, see two_link.hpp.
 enum Component { kX, kY, kTheta0, kTheta1, kPhiM, kVx, kVy, kOmega0, kOmega1, kOmegaM, kMechanical };
 
 /// Constants of the floor.
@@ -40,7 +40,7 @@ struct Floor {
   Floor<U> cast() const {
     return {U(stiffness), U(damping_normal), U(damping_tangential)};
   }
-  /// f(a's, b's) of every constant.
+  /// Calls f(constant of a, same constant of b) for every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {
     f(a.stiffness, b.stiffness), f(a.damping_normal, b.damping_normal), f(a.damping_tangential, b.damping_tangential);

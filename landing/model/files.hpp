@@ -1,4 +1,4 @@
-// Scenes and motions as files, and a motion as the rows that a robot plays.
+// Files of scenes and motions, and the rows of a motion over time.
 #pragma once
 
 #include <limits>
@@ -23,8 +23,8 @@ std::string to_toml(const Scene& scene, const std::string& comments);
 Motion read_motion(const std::string& path);
 /// The text of a motion.toml; `comments` goes in front, each line after "# ".
 std::string to_toml(const Motion& motion, const std::string& comments);
-/// The reference over time. t = 0 at the start of the landing motion, which is the detected first touchdown; rows
-/// before are the move in the air.
+/// The reference over time. t = 0 at the start of the landing motion, which is the detected first touchdown; rows with
+/// t < 0 are the move in the air.
 struct MotionRows {
   std::vector<double> t;     ///< [s], increases
   std::vector<double> phi;   ///< phi_ref [rad]
@@ -37,8 +37,8 @@ struct MotionRows {
   bool moves_in_air() const { return !t.empty() && t.front() < 0; }
 };
 
-/// The rows of a motion whose landing is expected to start at a time from release [s], infinite: once the move in the
-/// air is over. `rate`: rows a second [Hz], > 0; the last row is the motion's end.
+/// The rows of a motion whose landing motion is expected at `start` from release [s]; infinite: after the move in the
+/// air. `rate`: rows per second [Hz], > 0; the last row is the motion's end.
 MotionRows rows_of(const Motion& motion, double start, double rate);
 /// The text of a motion.csv; `comments` goes in front, each line after "# ".
 std::string to_csv(const MotionRows& rows, const std::string& comments);
@@ -46,7 +46,7 @@ std::string to_csv(const MotionRows& rows, const std::string& comments);
 /// Reads a motion.csv as `ukemi optimize` writes it, and recovers the motion: the end angles and the duration are the
 /// rows' own, the shape terms their least-squares fit (linear in b_k), phi_I and the end of the move in the air the
 /// least-squares fit of its quintic. Throws InputError, with file:line:column, on rows that are not of such a motion.
-/// In a file of several joints `joint` names one: its columns are phi_ref_JOINT and so on.
+/// `joint`: name of one joint in a file of several, with columns phi_ref_JOINT and so on.
 /// Tests: test/unit/motion_csv.cpp.
 Motion read_motion_csv(const std::string& path, const std::string& joint = "");
 

@@ -18,7 +18,7 @@ enum class Contact : unsigned char {
 };
 inline bool below(Contact c) { return c != Contact::kClear; }
 inline bool pressed(Contact c) { return c == Contact::kPressed; }
-/// The mode beyond its guard: through y = 0, and where the normal force changes between none and some.
+/// The mode after crossing a guard: the height's, y = 0; the normal force's, F = 0.
 inline Contact crossed(Contact c) { return c == Contact::kClear ? Contact::kPressed : Contact::kClear; }
 inline Contact loosened(Contact c) { return c == Contact::kPressed ? Contact::kLoose : Contact::kPressed; }
 

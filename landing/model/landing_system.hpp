@@ -1,6 +1,6 @@
 // The landing robot as a hybrid system: Eq. 1 with the actuator of Eq. 2-4 and the floor of Sec. 2.4, one smooth mode
-// at a time (mode.hpp). State: see Component, then of a drive that is late the states of DriveLag; with kAccounts three
-// further components integrate the work of the joint torque, of the floor and on the motor, for the energy check.
+// at a time (mode.hpp). State: Component, then the states of DriveLag of a late drive, and with kAccounts the work of
+// the joint torque, of the floor and on the motor, for the energy check.
 #pragma once
 
 #include "common/integrate/hybrid.hpp"
@@ -11,7 +11,7 @@
 
 namespace ukemi::landing {
 
-/// Which terms a kernel is compiled with. A kernel without a term pays nothing for it.
+/// Terms that a kernel is compiled with; absent terms cost nothing.
 struct LandingTerms {
   SeaTerms sea;
   bool floor;  ///< contact points that may touch
@@ -22,9 +22,9 @@ inline constexpr LandingTerms kFlightTerms{SeaTerms{.torque_limit = true, .exten
     kPlainTerms{SeaTerms{.torque_limit = false}},                                ///< no torque limit
     kLimitedTerms{SeaTerms{.torque_limit = true}},                               ///< the paper's scene
     kExtendedTerms{SeaTerms{.torque_limit = true, .extended = true}},            ///< see is_extended
-    kLateTerms{SeaTerms{.torque_limit = true, .extended = true, .late = true}};  ///< and a drive that is late
+    kLateTerms{SeaTerms{.torque_limit = true, .extended = true, .late = true}};  ///< and a late drive
 
-/// `Constant` is the scalar of the robot's constants: a double spares a T that carries no derivatives by them.
+/// `Constant`: scalar of the robot's constants; double is faster where T has no derivatives by them.
 template <LandingTerms kAllTerms, bool kAccounts, Scalar T = double, Scalar Constant = T>
 class LandingSystem : public ModeOf<T>::type {
   static constexpr SeaTerms kTerms = kAllTerms.sea;
@@ -59,11 +59,11 @@ class LandingSystem : public ModeOf<T>::type {
   /// With constants that may carry derivatives; no point may touch until `present` says so.
   LandingSystem(const TwoLink<Constant>& robot, const Floor<T>& f, const SeaParameters<T>& actuator,
                 const MotionOf<T>& motion)
-      : link(robot), floor(f), sea(actuator), lag(actuator), piece(standing_at(motion.release_phi())) {
+      : link(robot), floor(f), sea(actuator), lag(actuator), piece(constant_reference(motion.release_phi())) {
     if constexpr (kTerms.torque_limit && !kIsPack<T>)
       if (value_of(sea.tau_max) == 0) saturation = 1;  // no torque at all: one branch, never left
-    rubs = {Lane(ukemi::present(sea.output_friction)),
-            Lane(ukemi::present(sea.friction) | ukemi::present(sea.spring_loss))};
+    has_friction = {Lane(ukemi::present(sea.output_friction)),
+                    Lane(ukemi::present(sea.friction) | ukemi::present(sea.spring_loss))};
   }
 
   /// This system, in its present mode, in another scalar.
@@ -77,19 +77,18 @@ class LandingSystem : public ModeOf<T>::type {
         piece(o.piece.template cast<T>()),
         shaped(o.shaped),
         present(o.present),
-        rubs(o.rubs) {}
+        has_friction(o.has_friction) {}
 
   TwoLinkDynamics<Constant> link;
   Floor<T> floor;
   SeaParameters<T> sea;
   [[no_unique_address]] Lag lag;
-  ReferencePiece<T> piece;  ///< of the reference, at present
-  bool shaped = false;      ///< it has bumps
+  ReferencePiece<T> piece;  ///< current piece of the reference
+  bool shaped = false;      ///< the piece has bumps
   std::array<Lane, kPoints> present{};
-  std::array<Lane, kSides> rubs{};  ///< the side has dry friction, or derivatives by it are needed
+  std::array<Lane, kSides> has_friction{};  ///< by side: dry friction, or derivatives by it
 
-  /// The reference does something else from the time t on; the schedule has set the phase. With the landing motion
-  /// begin the gains that it is played with.
+  /// Changes the reference at time t, and the gains if the landing motion starts; the schedule has set the phase.
   void change(ReferenceChange to, const MotionOf<T>& motion, const T& t) {
     piece = piece_after(to, motion, piece, t);
     if (to != ReferenceChange::kLand) return;
@@ -97,21 +96,20 @@ class LandingSystem : public ModeOf<T>::type {
     sea = with_landing_gains(sea, motion);
   }
 
-  /// Sines, cosines and rates of a state. The last angles are remembered: the field, the guards and the peak ask in
-  /// change.
+  /// Sines, cosines and rates of a state. The last ones are cached: field, guards and peak use the same state.
   UKEMI_INLINE Pose<T> pose(const State& y) const {
     // Angles that compare equal may still differ in their derivatives.
     if (kDerivatives < T >> 0 || any((y[kTheta0] != theta0_) | (y[kTheta1] != theta1_))) {
       theta0_ = y[kTheta0], theta1_ = y[kTheta1];
-      turn_ = sin_cos(theta0_, theta1_);
+      sin_cos_ = sin_cos(theta0_, theta1_);
     }
-    return {y[kX],        y[kY],        y[kVx],       y[kVy],     turn_[0].sin,
-            turn_[0].cos, turn_[1].sin, turn_[1].cos, y[kOmega0], y[kOmega1]};
+    return {y[kX],           y[kY],           y[kVx],          y[kVy],     sin_cos_[0].sin,
+            sin_cos_[0].cos, sin_cos_[1].sin, sin_cos_[1].cos, y[kOmega0], y[kOmega1]};
   }
 
   template <class Time>
   Reference<T> reference(const Time& t) const {
-    const Reference<T> held = standing();
+    const Reference<T> held = held_reference();
     if (!any(moving(phase))) return held;
     const Reference<T> played = piece.at(T(t), shaped);
     return {select(moving(phase), played.phi, held.phi), select(moving(phase), played.dphi, held.dphi)};
@@ -141,32 +139,32 @@ class LandingSystem : public ModeOf<T>::type {
     const Loads<T> load = loads(p, floor_power);
     const SeaState<T> joint = sea_state(y);
     const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, joint), saturation);
-    T turning = output_torque<kTerms>(sea, joint.dphi, tau);
+    T tau_joint = output_torque<kTerms>(sea, joint.dphi, tau);
     if constexpr (kTerms.extended)
-      if (any(rubs[kOutputSide])) turning -= coulomb(kOutputSide, joint.dphi, tau);
-    Accelerations<T> acc = solve(link, p, turning, load);
+      if (any(has_friction[kOutputSide])) tau_joint -= coulomb(kOutputSide, joint.dphi, tau);
+    Accelerations<T> acc = solve(link, p, tau_joint, load);
     if constexpr (kTerms.extended)
-      if (const Lane held = stuck(kOutputSide); any(held)) hold(held, p, acc);
+      if (const Lane held = stuck(kOutputSide); any(held)) apply_sticking(held, p, acc);
     for (int i = 0; i < kVx; ++i) dy[i] = y[kVx + i];
     dy[kVx] = acc.x, dy[kVy] = acc.y, dy[kOmega0] = acc.theta0, dy[kOmega1] = acc.theta1;
-    T driving = asked(t, y);
+    T tau_motor = requested_torque(t, y);
     if constexpr (kTerms.late) {
-      dy.template segment<kLags>(kMechanical) = lag.derivative(driving, joint, lags(y));
-      driving = lag.torque(driving, lags(y));
+      dy.template segment<kLags>(kMechanical) = lag.derivative(tau_motor, joint, lags(y));
+      tau_motor = lag.torque(tau_motor, lags(y));
     }
-    T on_motor = torque_on_motor<kTerms>(sea, joint.dphi_m, driving, tau);
+    T on_motor = torque_on_motor<kTerms>(sea, joint.dphi_m, tau_motor, tau);
     if constexpr (kTerms.extended)
-      if (any(rubs[kMotorSide]))
+      if (any(has_friction[kMotorSide]))
         on_motor = select(stuck(kMotorSide), T(0), T(on_motor - coulomb(kMotorSide, joint.dphi_m, tau)));
     dy[kOmegaM] = on_motor / sea.i_motor;
     if constexpr (kAccounts) {
-      dy[kWorkJoint] = turning * joint.dphi;
+      dy[kWorkJoint] = tau_joint * joint.dphi;
       dy[kWorkFloor] = floor_power;
       dy[kWorkMotor] = sea.i_motor * dy[kOmegaM] * y[kOmegaM];
     }
   }
 
-  /// What the floor pushes with, and the power of it where that is accounted for.
+  /// Forces of the floor and, with kAccounts, their power.
   UKEMI_INLINE Loads<T> loads(const Pose<T>& p, [[maybe_unused]] T& power) const {
     Loads<T> load;
     if constexpr (kAllTerms.floor)
@@ -181,24 +179,24 @@ class LandingSystem : public ModeOf<T>::type {
 
   // Dry friction, see dry_friction.hpp.
 
-  Lane stuck(Side side) const { return rubs[side] & is_stuck(slip[side]); }
+  Lane stuck(Side side) const { return has_friction[side] & is_stuck(slip[side]); }
   static T rate(Side side, const State& y) { return side == kMotorSide ? y[kOmegaM] : T(y[kOmega1] - y[kOmega0]); }
-  /// What moves each side and what holds it, were both stuck.
+  /// Driving torque and friction limits of each side as if both were stuck.
   template <class Time>
   std::array<Hold<T>, kSides> holds(const Time& t, const State& y) const {
     const Pose<T> p = pose(y);
     const SeaState<T> s = sea_state(y);
     T power(0);
     const T tau = limited_torque<kTerms>(sea, spring_torque<kTerms>(sea, s), saturation),
-            turning = output_torque<kTerms>(sea, s.dphi, tau);
+            tau_joint = output_torque<kTerms>(sea, s.dphi, tau);
     const Loads<T> load = loads(p, power);
-    const Accelerations<T> acc = solve(link, p, turning, load), unit = unit_response(p);
-    const T needed = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0);
-    return {Hold<T>(sea, sea.output_friction, sea.output_friction_asymmetry, needed),
-            Hold<T>(sea, loaded(sea.friction, sea.spring_loss, tau), sea.friction_asymmetry,
+    const Accelerations<T> acc = solve(link, p, tau_joint, load), unit = unit_response(p);
+    const T reaction = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0);
+    return {Hold<T>(sea, sea.output_friction, sea.output_friction_asymmetry, reaction),
+            Hold<T>(sea, loaded_friction(sea.friction, sea.spring_loss, tau), sea.friction_asymmetry,
                     torque_on_motor<kTerms>(sea, s.dphi_m, motor_torque_of(t, y), tau))};
   }
-  /// A landing starts: sides that move slip.
+  /// Friction modes at the start of a landing: sides that move slip.
   template <class Time>
   void settle(const Time& t, const State& y) {
     if constexpr (kTerms.extended)
@@ -208,28 +206,29 @@ class LandingSystem : public ModeOf<T>::type {
       }
     hold_or_slip(t, y);
   }
-  /// The same beyond guard `event`, or where what moves a side may have jumped.
+  /// Friction modes after guard `event`, or (event -1) after a jump of the field.
   template <class Time>
   void settle(int event, const Time& t, State& y) {
     if constexpr (kTerms.extended)
-      if (event >= kLandingGuards && stuck(Mode::side_of(event))) rest(Mode::side_of(event), y);
+      if (event >= kLandingGuards && stuck(Mode::side_of(event))) set_rate_zero(Mode::side_of(event), y);
     hold_or_slip(t, y);
   }
-  /// A side's rate to exactly 0.
-  static void rest(Side side, State& y) {
+  /// Sets the rate of a side to exactly 0.
+  static void set_rate_zero(Side side, State& y) {
     if (side == kMotorSide)
       y[kOmegaM] = T(0);
     else
       y[kOmega1] = y[kOmega0];
   }
-  /// Sides that are stuck and that friction cannot hold slip.
+  /// Stuck sides that friction cannot hold start to slip.
   template <class Time>
   void hold_or_slip(const Time& t, const State& y) {
     if constexpr (kTerms.extended) {
       if (!stuck(kOutputSide) && !stuck(kMotorSide)) return;
       const std::array<Hold<T>, kSides> hold = holds(t, y);
       for (const Side side : {kOutputSide, kMotorSide})
-        if (stuck(side)) slip[side] = breaks_loose(value_of(hold[side].left_up()), value_of(hold[side].left_down()));
+        if (stuck(side))
+          slip[side] = breakaway_direction(value_of(hold[side].margin_up()), value_of(hold[side].margin_down()));
     }
   }
 
@@ -253,18 +252,18 @@ class LandingSystem : public ModeOf<T>::type {
     return f;
   }
 
-  /// |Torque| on the motor that gains and spring leave were everything at a standstill in the angles of y, beyond what
-  /// dry friction holds [Nm].
-  T unheld_motor_torque(const State& y) const {
+  /// |Unbalanced torque| on the motor at zero rates in the angles of y, less what dry friction holds [Nm].
+  T unbalanced_motor_torque(const State& y) const {
     using std::abs;
     const SeaState<T> still{y[kTheta1] - y[kTheta0], y[kPhiM], T(0), T(0)};
-    const Reference<T> held = standing();
-    const T held_torque = motor_torque<kTerms>(sea, still, held);
-    T torque = abs(T(held_torque - spring_torque<kTerms>(sea, still)));
-    if constexpr (kTerms.late) torque += abs(T(lag.torque(held_torque, lags(y)) - held_torque));  // still under way
+    const Reference<T> held = held_reference();
+    const T static_torque = motor_torque<kTerms>(sea, still, held);
+    T torque = abs(T(static_torque - spring_torque<kTerms>(sea, still)));
+    if constexpr (kTerms.late)
+      torque += abs(T(lag.torque(static_torque, lags(y)) - static_torque));  // torque still in the lag
     if constexpr (!kTerms.extended) return torque;
-    const T held_back = sea.friction * (T(1) - abs(sea.friction_asymmetry));
-    return select(torque > held_back, T(torque - held_back), T(0));
+    const T friction_limit = sea.friction * (T(1) - abs(sea.friction_asymmetry));
+    return select(torque > friction_limit, T(torque - friction_limit), T(0));
   }
 
   /// |ddr_0|^2 [m^2/s^4].
@@ -272,29 +271,28 @@ class LandingSystem : public ModeOf<T>::type {
     return thigh_acceleration(link, pose(y), {dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]}).squaredNorm();
   }
 
-  /// tau_mot of a state, as late as the drive is [Nm].
+  /// tau_mot of a state, delayed if the drive is late [Nm].
   template <class Time>
   T motor_torque_of(const Time& t, const State& y) const {
     if constexpr (kTerms.late)
-      return lag.torque(asked(t, y), lags(y));
+      return lag.torque(requested_torque(t, y), lags(y));
     else
-      return asked(t, y);
+      return requested_torque(t, y);
   }
-  /// Sets a late drive as if the rates of y and the torque demanded now had been constant for ever.
+  /// Sets a late drive as if the rates of y and the requested torque had always been constant.
   void steady([[maybe_unused]] State& y) const {
     if constexpr (kTerms.late) {
       const SeaState<T> s = sea_state(y);
-      y.template segment<kLags>(kMechanical) = lag.steady(motor_torque<kTerms>(sea, s, standing()), s);
+      y.template segment<kLags>(kMechanical) = lag.steady(motor_torque<kTerms>(sea, s, held_reference()), s);
     }
   }
 
-  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7, dry friction; `dy` is the field at y. The driver asks
-  /// for their values alone; in a T they keep their derivatives.
+  /// Guards: heights 0..2, normal forces 3..5, torque limit 6, 7, dry friction; dy: field at y; Out = T: derivatives.
   template <class Time, class Out>
   void guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
     out = {};
     if constexpr (kTerms.extended)
-      if (any(rubs[kOutputSide] | rubs[kMotorSide])) friction_guards(t, y, dy, out);
+      if (any(has_friction[kOutputSide] | has_friction[kMotorSide])) friction_guards(t, y, dy, out);
     const Accelerations<T> acc{dy[kVx], dy[kVy], dy[kOmega0], dy[kOmega1]};
     if constexpr (kAllTerms.floor) contact_guards(pose(y), acc, out);
     if constexpr (kTerms.torque_limit) {
@@ -310,17 +308,17 @@ class LandingSystem : public ModeOf<T>::type {
     }
   }
 
-  /// Of each side: what a hold has left, forward and back, or the rate of a slip.
+  /// Guards of each side: the margins of a hold, or the rate of a slip.
   template <class Time, class Out>
   void friction_guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, Out>& out) const {
     std::array<Hold<T>, kSides> now, next;
     if (any(stuck(kOutputSide) | stuck(kMotorSide)))
-      now = holds(t, y), next = holds(Time(t + Time(kApart)), soon(y, dy));
+      now = holds(t, y), next = holds(Time(t + Time(kDifferenceStep)), extrapolate(y, dy));
     for (const Side side : {kOutputSide, kMotorSide})
       guard_friction(slip[side], now[side], next[side], rate(side, y), rate(side, dy),
                      [&](int k, const T& value, const T& value_rate, const Lane& active) {
                        out.set(kLandingGuards + 2 * side + k, narrowed<Out>(value), narrowed<Out>(value_rate),
-                               active & rubs[side]);
+                               active & has_friction[side]);
                      });
   }
 
@@ -341,8 +339,8 @@ class LandingSystem : public ModeOf<T>::type {
     }
   }
 
-  /// Sizes below which a component need not be relatively exact: a link's length, 1 rad, and those at 10 1/s; of the
-  /// drive's torques what Eq. 3 makes of a tenth of them.
+  /// Scale of a component for the absolute part of the error tolerance: a link's length, 1 rad, rates 10 1/s times
+  /// those; of the drive's torques a tenth of Eq. 3 at these scales.
   Value tolerance_unit(int i) const {
     constexpr double kRate = 10;
     if (i >= kMechanical && i != kMechanical + int(DriveLag<T>::kRate))
@@ -352,10 +350,10 @@ class LandingSystem : public ModeOf<T>::type {
     return i >= kVx ? unit * Value(kRate) : unit;
   }
 
-  /// How many of the guards there are now: those of dry friction come last.
+  /// Number of guards in use: those of dry friction come last.
   int guards_used() const {
     if constexpr (kTerms.extended)
-      if (any(rubs[kOutputSide] | rubs[kMotorSide])) return kGuards;
+      if (any(has_friction[kOutputSide] | has_friction[kMotorSide])) return kGuards;
     return kLandingGuards;
   }
 
@@ -366,34 +364,35 @@ class LandingSystem : public ModeOf<T>::type {
  private:
   T coulomb(Side side, const T& v, const T& tau_sea) const {
     const bool motor = side == kMotorSide;
-    return coulomb_torque(sea, motor ? loaded(sea.friction, sea.spring_loss, tau_sea) : sea.output_friction,
+    return coulomb_torque(sea, motor ? loaded_friction(sea.friction, sea.spring_loss, tau_sea) : sea.output_friction,
                           motor ? sea.friction_asymmetry : sea.output_friction_asymmetry, direction_of<T>(slip[side]),
                           v);
   }
-  /// Of the accelerations, to the joint's torque alone.
+  /// Accelerations per unit of joint torque.
   Accelerations<T> unit_response(const Pose<T>& p) const {
     Pose<T> still = p;
     still.omega0 = still.omega1 = T(0);
     return solve(link, still, T(1), Loads<T>());
   }
-  /// Takes from the joint's torque what keeps its rate, where it is held.
-  void hold(const Lane& held, const Pose<T>& p, Accelerations<T>& acc) const {
+  /// Applies the reaction of a stuck joint: where `held`, both links get the same angular acceleration.
+  void apply_sticking(const Lane& held, const Pose<T>& p, Accelerations<T>& acc) const {
     const Accelerations<T> unit = unit_response(p);
-    const T taken = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0), both = acc.theta0 - taken * unit.theta0;
-    acc.theta0 = select(held, both, acc.theta0), acc.theta1 = select(held, both, acc.theta1);
+    const T reaction = (acc.theta1 - acc.theta0) / (unit.theta1 - unit.theta0),
+            common = acc.theta0 - reaction * unit.theta0;
+    acc.theta0 = select(held, common, acc.theta0), acc.theta1 = select(held, common, acc.theta1);
   }
   static auto lags(const State& y) { return y.template segment<kLags>(kMechanical); }
-  /// The torque that the drive demands now, Eq. 3 of what it measures [Nm].
+  /// The torque that the drive requests now, Eq. 3 of what it measures [Nm].
   template <class Time>
-  T asked(const Time& t, const State& y) const {
+  T requested_torque(const Time& t, const State& y) const {
     SeaState<T> s = sea_state(y);
-    if constexpr (kTerms.late) s = lag.seen(s, lags(y));
+    if constexpr (kTerms.late) s = lag.filtered(s, lags(y));
     return motor_torque<kTerms>(sea, s, reference(t));
   }
-  Reference<T> standing() const { return {select(after(phase), piece.b, piece.a), T(0)}; }
+  Reference<T> held_reference() const { return {select(after(phase), piece.b, piece.a), T(0)}; }
 
   mutable T theta0_{std::numeric_limits<double>::quiet_NaN()}, theta1_{};
-  mutable std::array<SinCos<T>, 2> turn_{};
+  mutable std::array<SinCos<T>, 2> sin_cos_{};
 };
 
 }  // namespace ukemi::landing

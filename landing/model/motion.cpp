@@ -13,8 +13,7 @@ namespace {
 /// 15/8 |b - a| / t, at the middle of a quintic [rad/s].
 double quintic_rate(double a, double b, double duration) { return a == b ? 0 : 1.875 * std::abs(b - a) / duration; }
 
-/// Largest rate of a piece with bumps, a polynomial of degree 8 with at most seven extrema inside: the best of many
-/// places, and the top of the parabola through it and its neighbours.
+/// Largest rate of a piece with bumps: the largest sample, refined by the parabola through it and its neighbours.
 double shaped_rate(const ReferencePiece<double>& piece) {
   constexpr int kParts = 64;
   const double h = piece.duration / kParts;

@@ -16,16 +16,16 @@ namespace ukemi::landing {
 inline constexpr std::array kMotionNames = {"phi_i", "phi_f", "duration", "b0",     "b1",
                                             "b2",    "b3",    "gain_p",   "gain_d", "to"};
 inline constexpr int kMotionNumbers = int(kMotionNames.size()), kDurationSlot = 2, kBumpSlot = 3,
-                     kGainSlot = kBumpSlot + kMostBumps, kToSlot = kGainSlot + 2;
+                     kGainSlot = kBumpSlot + kMaxBumps, kToSlot = kGainSlot + 2;
 static_assert(kToSlot + 1 == kMotionNumbers);
-/// Their values; `none` is given for the `to` of a motion that does not move in the air.
+/// Pointers to these numbers; `none` stands in for `to` if the motion does not move in the air.
 template <class T>
 std::array<T*, kMotionNumbers> motion_numbers(MotionOf<T>& m, T& none) {
   return std::array{&m.phi_i,    &m.phi_f,    &m.duration, &m.bumps[0], &m.bumps[1],
                     &m.bumps[2], &m.bumps[3], &m.gain_p,   &m.gain_d,   m.reposition ? &m.reposition->to : &none};
 }
 
-/// Which part of the reference is played: before a piece of it, in it, or after the landing motion.
+/// Phase of the reference: constant before a piece, in a piece, or constant after the landing motion.
 enum class Phase : unsigned char { kBefore, kMoving, kAfter };
 inline bool moving(Phase p) { return p == Phase::kMoving; }
 inline bool after(Phase p) { return p == Phase::kAfter; }
@@ -38,7 +38,7 @@ UKEMI_INLINE Reference<T> quintic(const T& phi_i, const T& phi_f, const T& durat
   return {phi_i + range * (s2 * s * (T(10) + s * (T(-15) + T(6) * s))), range * inverse * (T(30) * rest * rest)};
 }
 
-/// sum_k b_k P_k(z) of Legendre's polynomials as the coefficients of the powers of z.
+/// Coefficients of the powers of z in sum_k b_k P_k(z), P_k the Legendre polynomials.
 template <class T>
 BumpsOf<T> powers_of(const BumpsOf<T>& b) {
   return {b[0] - T(0.5) * b[2], b[1] - T(1.5) * b[3], T(1.5) * b[2], T(2.5) * b[3]};
@@ -54,8 +54,7 @@ UKEMI_INLINE Reference<T> bumps_of(const BumpsOf<T>& c, const T& duration, const
   return {window * rest * q, window * inverse * (T(2) * rest * dq - T(3) * z * q)};
 }
 
-/// What the reference does at a time: it stands at `a` before this piece, goes from a to b within it, and stands at b
-/// after it.
+/// A piece of the reference: a before it, from a to b within it, b after it.
 template <class T>
 struct ReferencePiece {
   T a{0}, b{0};   ///< [rad]
@@ -75,17 +74,17 @@ struct ReferencePiece {
   ReferencePiece<U> cast() const {
     return {U(a), U(b), U(start), U(duration), {U(powers[0]), U(powers[1]), U(powers[2]), U(powers[3])}};
   }
-  /// f(x's, y's) of every number.
+  /// Calls f(number of x, same number of y) for every number.
   template <class A, class B, class F>
   static void for_each(A& x, const B& y, F&& f) {
     f(x.a, y.a), f(x.b, y.b), f(x.start, y.start), f(x.duration, y.duration);
-    for (std::size_t k = 0; k < kMostBumps; ++k) f(x.powers[k], y.powers[k]);
+    for (std::size_t k = 0; k < kMaxBumps; ++k) f(x.powers[k], y.powers[k]);
   }
 };
 
-/// The reference standing still.
+/// A constant reference.
 template <class T>
-ReferencePiece<T> standing_at(const T& phi) {
+ReferencePiece<T> constant_reference(const T& phi) {
   return {phi, phi};
 }
 /// The move in the air.
@@ -94,39 +93,39 @@ ReferencePiece<T> reposition_of(const MotionOf<T>& m) {
   const RepositionOf<T>& r = *m.reposition;
   return {r.phi, m.phi_i, r.from, r.to - r.from};
 }
-/// The landing motion from the angle that the reference has at its start.
+/// The landing motion, starting at the angle `from`.
 template <class T>
 ReferencePiece<T> landing_of(const MotionOf<T>& m, const T& from, const T& start) {
   return {from, m.phi_f, start, m.duration, powers_of(m.bumps)};
 }
 
-/// The drive as it is from the start of the landing motion on.
+/// The drive with the gains of the landing motion.
 template <class T>
 SeaParameters<T> with_landing_gains(SeaParameters<T> sea, const MotionOf<T>& m) {
   sea.k_p *= m.gain_p, sea.k_d *= m.gain_d;
   return sea;
 }
 
-/// What the reference turns to.
+/// Changes of the reference, and what follows.
 enum class ReferenceChange : unsigned char {
   kNone,
-  kReposition,  ///< the move in the air
-  kStand,       ///< at phi_I
-  kLand,        ///< the landing motion, from where the reference is
-  kHold,        ///< phi_F
+  kReposition,   ///< the move in the air
+  kHoldInitial,  ///< constant at phi_I
+  kLand,         ///< the landing motion, from where the reference is
+  kHoldFinal,    ///< constant at phi_F
 };
 
-/// The piece of the reference from the time t on. The move in the air may be under way where the landing motion begins.
+/// The piece of the reference after a change at the time t, which may interrupt the move in the air.
 template <class T>
 ReferencePiece<T> piece_after(ReferenceChange to, const MotionOf<T>& m, const ReferencePiece<T>& before, const T& t) {
   if (to == ReferenceChange::kReposition) return reposition_of(m);
-  if (to == ReferenceChange::kStand) return standing_at(m.phi_i);
+  if (to == ReferenceChange::kHoldInitial) return constant_reference(m.phi_i);
   if (to != ReferenceChange::kLand) return before;
-  const bool over = value_of(t) >= value_of(before.start) + value_of(before.duration);
-  return landing_of(m, over ? before.b : before.at(t, false).phi, t);
+  const bool ended = value_of(t) >= value_of(before.start) + value_of(before.duration);
+  return landing_of(m, ended ? before.b : before.at(t, false).phi, t);
 }
 
-/// True where a motion has shape terms, or derivatives by them.
+/// Whether a motion has shape terms, or derivatives by them.
 template <class T>
 bool has_bumps(const MotionOf<T>& m) {
   for (const T& b : m.bumps) {

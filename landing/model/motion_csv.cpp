@@ -72,7 +72,7 @@ namespace {
 /// Below this rate the reference counts as constant [rad/s].
 constexpr double kStill = 1e-12;
 
-/// A file's rows, and what of them is recovered. The first row of the landing motion is `zero`, its last `end`.
+/// Reads the rows of a file and recovers the motion. `zero` is the first row of the landing motion, `end` its last.
 struct RowReader {
   CsvTable table;
   MotionRows rows;
@@ -82,13 +82,13 @@ struct RowReader {
   Motion motion() const;
 
  private:
-  std::string suffix_;  ///< of the columns of a joint
+  std::string suffix_;  ///< of a joint's columns
 
-  /// A column's whole name; the clock is that of all joints.
-  std::string whole(const std::string& name) const {
+  /// Full name of a column; the columns of the clock are shared by all joints.
+  std::string full_name(const std::string& name) const {
     return name == "t" || name == "t_from_release" ? name : name + suffix_;
   }
-  int find(const std::string& name) const { return table.find(whole(name)); }
+  int find(const std::string& name) const { return table.find(full_name(name)); }
   const std::vector<double>& column(const std::string& name) const;
   double constant(const std::string& name, std::size_t from) const;
   void read_clock();
@@ -100,17 +100,18 @@ struct RowReader {
   void fit_move(Motion& m) const;
   void check(const Motion& m) const;
   [[noreturn]] void fail(const char* name, std::size_t row, const std::string& message) const {
-    throw InputError(table.at(table.require(whole(name)), row), fmt::format("column '{}': {}", whole(name), message));
+    throw InputError(table.at(table.require(full_name(name)), row),
+                     fmt::format("column '{}': {}", full_name(name), message));
   }
 };
 
 const std::vector<double>& RowReader::column(const std::string& name) const {
-  const int c = table.require(whole(name));
+  const int c = table.require(full_name(name));
   table.require_full(c);
   return table.columns[std::size_t(c)];
 }
 
-/// The one value of a column from a row on.
+/// The value of a column that must be constant from a row on.
 double RowReader::constant(const std::string& name, std::size_t from) const {
   const std::vector<double>& values = column(name);
   for (std::size_t i = from; i < values.size(); ++i)
@@ -123,7 +124,7 @@ double RowReader::constant(const std::string& name, std::size_t from) const {
 
 RowReader::RowReader(const std::string& path, const std::string& joint) : suffix_(joint.empty() ? "" : "_" + joint) {
   std::vector<std::string> known = {"t", "phi_ref", "dphi_ref", "t_from_release", "gain_p", "gain_d", "release_rate"};
-  for (std::string& name : known) name = whole(name);
+  for (std::string& name : known) name = full_name(name);
   table = read_csv(path, [&](auto& name) { return std::find(known.begin(), known.end(), name) != known.end(); });
   rows.t = column("t"), rows.phi = column("phi_ref"), rows.dphi = column("dphi_ref");
   table.require_increasing(table.require("t"), rows.t);
@@ -151,7 +152,7 @@ void RowReader::read_gains() {
   }
 }
 
-/// When the landing motion is expected to start.
+/// Reads the expected start of the landing motion, from release.
 void RowReader::read_clock() {
   if (zero == 0) return;
   constexpr double kSame = 1e-9;  // [s]
@@ -172,41 +173,40 @@ void RowReader::require_rows(std::size_t from, std::size_t count, const char* pi
          fmt::format("{} row(s) inside the {}: at least {} are needed to recover it", count, piece, kLeastRows));
 }
 
-/// Least squares of the shape terms to what the quintic leaves; none where they do not halve its largest misfit.
+/// Least-squares fit of the shape terms to the quintic's residuals; none if it does not halve the largest residual.
 BumpsOf<double> RowReader::bumps(const Motion& plain) const {
-  const auto left = [&](std::size_t i, const Motion& m) { return rows.phi[i] - reference_of(m, rows.t[i]).phi; };
+  const auto residual = [&](std::size_t i, const Motion& m) { return rows.phi[i] - reference_of(m, rows.t[i]).phi; };
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero(), shapes;
+  Eigen::Vector4d rhs = Eigen::Vector4d::Zero(), shapes;
   for (std::size_t i = zero; i <= end; ++i) {
-    for (std::size_t k = 0; k < kMostBumps; ++k) {
+    for (std::size_t k = 0; k < kMaxBumps; ++k) {
       BumpsOf<double> unit{};
       unit[k] = 1;
       shapes[long(k)] = bumps_of(powers_of(unit), plain.duration, rows.t[i]).phi;
     }
-    normal += shapes * shapes.transpose(), right += shapes * left(i, plain);
+    normal += shapes * shapes.transpose(), rhs += shapes * residual(i, plain);
   }
-  const Eigen::Vector4d b = normal.ldlt().solve(right);
+  const Eigen::Vector4d b = normal.ldlt().solve(rhs);
   Motion shaped = plain;
-  for (std::size_t k = 0; k < kMostBumps; ++k) shaped.bumps[k] = b[long(k)];
+  for (std::size_t k = 0; k < kMaxBumps; ++k) shaped.bumps[k] = b[long(k)];
   double without = 0, with = 0;
   for (std::size_t i = zero; i <= end; ++i) {
-    without = std::max(without, std::abs(left(i, plain)));
-    with = std::max(with, std::abs(left(i, shaped)));
+    without = std::max(without, std::abs(residual(i, plain)));
+    with = std::max(with, std::abs(residual(i, shaped)));
   }
   constexpr double kRounding = 1e-12;  // [rad]
   return without > 2 * with + kRounding ? shaped.bumps : plain.bumps;
 }
 
-/// The row where the move in the air begins: the last constant one of the first rows, where another joint's move begins
-/// earlier than this one's.
+/// The row where the move in the air begins: the last constant one at the start (another joint may move earlier).
 std::size_t RowReader::begin_of_move() const {
   std::size_t i = 0;
   while (i + 1 < zero && rows.phi[i + 1] == rows.phi[0] && rows.dphi[i + 1] == 0) ++i;
   return i;
 }
 
-/// How long the move in the air takes, by its rows from the first to the last that moves: of the least-squares fit of
-/// c_3 u^3 + c_4 u^4 + c_5 u^5 to a quintic, which has T = -3/2 c_3 / c_4 [s].
+/// Duration of the move in the air from its rows: the least-squares fit of c_3 u^3 + c_4 u^4 + c_5 u^5; the quintic has
+/// T = -3/2 c_3 / c_4 [s].
 double RowReader::length_of_move(std::size_t first, std::size_t last) const {
   const double span = rows.t[last] - rows.t[first];
   Eigen::MatrixXd powers(last - first, 3);
@@ -221,11 +221,10 @@ double RowReader::length_of_move(std::size_t first, std::size_t last) const {
   return -1.5 * c[0] / c[1] * span;
 }
 
-/// phi_I and the end of the move in the air: least squares of range q(u / T), u the time since the move began, by
-/// Gauss-Newton.
+/// phi_I and the end of the move in the air: Gauss-Newton fit of range q(u / T), u the time since the move began.
 void RowReader::fit_move(Motion& m) const {
   const double phi = rows.phi[0];
-  std::size_t first = 0, last = zero - 1;  // that moves
+  std::size_t first = 0, last = zero - 1;  // rows of the move
   while (last > 0 && std::abs(rows.dphi[last]) <= kStill) --last;
   if (last > 0) first = begin_of_move();
   const double from = rows.start + rows.t[first];
@@ -240,21 +239,21 @@ void RowReader::fit_move(Motion& m) const {
   if (!(duration > 0)) fail("phi_ref", 0, "the rows with t < 0 are no quintic from rest to rest");
   for (int step = 0; step < 20; ++step) {
     Eigen::Matrix2d normal = Eigen::Matrix2d::Zero();
-    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
     for (std::size_t i = first + 1; i < zero; ++i) {
       const double u = rows.t[i] - rows.t[first];
       const Reference<double> unit = u < duration ? quintic(0.0, 1.0, duration, u) : Reference<double>{1, 0};
-      const Eigen::Vector2d slope(unit.phi, -range * unit.dphi * u / duration);
-      normal += slope * slope.transpose();
-      right += slope * (rows.phi[i] - phi - range * unit.phi);
+      const Eigen::Vector2d gradient(unit.phi, -range * unit.dphi * u / duration);
+      normal += gradient * gradient.transpose();
+      rhs += gradient * (rows.phi[i] - phi - range * unit.phi);
     }
-    const Eigen::Vector2d change = normal.ldlt().solve(right);
+    const Eigen::Vector2d change = normal.ldlt().solve(rhs);
     range += change[0], duration = std::clamp(duration + change[1], duration / 2, duration * 2);
   }
   m.phi_i = phi + range, m.reposition->to = from + duration;
 }
 
-/// Throws where a row is not the motion's.
+/// Throws InputError if a row deviates from the motion.
 void RowReader::check(const Motion& m) const {
   const Motion landing = started_at(m, rows.start);
   const auto at = [&](std::size_t i) -> Reference<double> {
@@ -266,7 +265,8 @@ void RowReader::check(const Motion& m) const {
     std::size_t worst = 0;
     double misfit = 0;
     for (std::size_t i = 0; i < given.size() && !std::isnan(misfit); ++i)
-      if (const double off = std::abs(given[i] - at(i).*value); !(off <= misfit)) misfit = off, worst = i;
+      if (const double deviation = std::abs(given[i] - at(i).*value); !(deviation <= misfit))
+        misfit = deviation, worst = i;
     if (!(misfit <= tolerance))
       fail(name, worst,
            fmt::format("{}: {:.3g} {} from the nearest motion of quintic, shape terms and move in the air: at most {} "
@@ -278,9 +278,9 @@ void RowReader::check(const Motion& m) const {
 }
 
 Motion RowReader::motion() const {
-  const bool stands = end == zero;
-  Motion m{rows.phi[zero], rows.phi[end], stands ? 1.0 : rows.t[end]};
-  if (!stands) {
+  const bool is_constant = end == zero;
+  Motion m{rows.phi[zero], rows.phi[end], is_constant ? 1.0 : rows.t[end]};
+  if (!is_constant) {
     require_rows(zero, end - zero - 1, "landing motion");
     m.bumps = bumps(m);
   }

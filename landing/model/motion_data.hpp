@@ -1,5 +1,5 @@
-// What a robot plays: the knee reference of Sec. 4 of [1], which moves from phi_I to phi_F in `duration` after the
-// first touchdown. Ours, and absent by default: shape terms, a move in the air before it, gains of its own. The
+// A landing motion: the joint reference of Sec. 4 of [1], which moves from phi_I to phi_F in `duration` after the first
+// touchdown. Ours, and absent by default: shape terms, a move in the air before it, gains of its own. The
 // definitions are in tools/docs/theory.md.
 #pragma once
 
@@ -11,13 +11,12 @@
 
 namespace ukemi::landing {
 
-/// A motion has at most so many shape terms.
-inline constexpr int kMostBumps = 4;
+/// Maximum number of shape terms of a motion.
+inline constexpr int kMaxBumps = 4;
 template <class T>
-using BumpsOf = std::array<T, kMostBumps>;
+using BumpsOf = std::array<T, kMaxBumps>;
 
-/// The move in the air: the reference stands at phi_R, the joint's angle at release, until `from`; a quintic takes it
-/// to phi_I at `to`. Ours.
+/// The move in the air: the reference is phi_R, the angle at release, until `from`; a quintic leads to phi_I at `to`.
 template <class T>
 struct RepositionOf {
   T phi;      ///< phi_R, joint angle at release, the spring relaxed [rad]
@@ -26,7 +25,7 @@ struct RepositionOf {
   T to{0};    ///< [s], > from
 };
 
-/// x = [phi_I phi_F t] of Eq. 6, and what we add to it. A motion with phi_i = phi_f and no bumps holds its reference.
+/// x = [phi_I phi_F t] of Eq. 6, and our additions. A motion with phi_i = phi_f and no bumps holds its reference.
 template <class T>
 struct MotionOf {
   T phi_i;                                      ///< phi_I, reference until the first touchdown [rad]
@@ -43,7 +42,7 @@ struct MotionOf {
   template <class U>
   MotionOf<U> cast() const {
     MotionOf<U> out{U(phi_i), U(phi_f), U(duration)};
-    for (std::size_t k = 0; k < kMostBumps; ++k) out.bumps[k] = U(bumps[k]);
+    for (std::size_t k = 0; k < kMaxBumps; ++k) out.bumps[k] = U(bumps[k]);
     out.gain_p = U(gain_p), out.gain_d = U(gain_d);
     if (reposition) out.reposition = {U(reposition->phi), U(reposition->rate), U(reposition->from), U(reposition->to)};
     return out;
@@ -57,14 +56,14 @@ void validate(const Motion& motion);
 
 /// Whether the reference moves before a landing motion that starts at a finite time from release.
 bool moves_in_air(const Motion& m, double start);
-/// Where the reference is before the landing motion, `time` from release.
+/// The reference before the landing motion, `time` from release [s].
 Reference<double> reference_before(const Motion& m, double time);
-/// The landing motion that starts `time` from release, from where the reference is then: phi_I is replaced by it.
+/// The motion with phi_I replaced by the reference at `time` from release, where its landing motion starts [s].
 Motion started_at(const Motion& m, double time);
-/// What a landing motion that starts at phi_I plays `time` after its start [s]: phi_I before it, phi_F after its end.
+/// The reference of a landing motion from phi_I, `time` after its start [s]: phi_I before it, phi_F after its end.
 Reference<double> reference_of(const Motion& m, double time);
-/// Largest |dphi_ref| of a motion whose landing starts at a time from release (infinite: once the move in the air is
-/// over), the move included; without bumps 15/8 |phi_F - phi_I| / t, at its middle [rad/s].
+/// Largest |dphi_ref| of a motion whose landing motion starts at `start` from release (infinite: after the move in the
+/// air), the move included; without bumps 15/8 |phi_F - phi_I| / t, at its middle [rad/s].
 double peak_reference_rate(const Motion& m, double start = std::numeric_limits<double>::infinity());
 
 }  // namespace ukemi::landing

@@ -29,7 +29,7 @@ double held_angle(const Scene& scene) {
 }
 
 Motion deviated(const Motion& m, const ExecutionTolerance& tolerance, const Deviation& d) {
-  constexpr double kShortest = 1e-4;  // a box wider than the duration itself stops here [s]
+  constexpr double kShortest = 1e-4;  // lower bound if the tolerance exceeds the duration [s]
   Motion out = m;
   out.phi_i += d.phi_i * tolerance.phi, out.phi_f += d.phi_f * tolerance.phi;
   out.duration = std::max(kShortest, m.duration + d.duration * tolerance.duration);
@@ -37,8 +37,8 @@ Motion deviated(const Motion& m, const ExecutionTolerance& tolerance, const Devi
 }
 
 MotionSpace::MotionSpace(std::vector<Variable> variables) : variables_(std::move(variables)) {
-  if (variables_.empty() || variables_.size() > std::size_t(kMostVariables))
-    throw InputError("variables: " + std::to_string(variables_.size()) + ": 1 to " + std::to_string(kMostVariables) +
+  if (variables_.empty() || variables_.size() > std::size_t(kMaxVariables))
+    throw InputError("variables: " + std::to_string(variables_.size()) + ": 1 to " + std::to_string(kMaxVariables) +
                      " are needed");
   for (const Variable& v : variables_)
     if (!(std::isfinite(v.lower) && std::isfinite(v.upper) && v.lower <= v.upper))
@@ -82,7 +82,7 @@ DrivenMotion MotionSpace::inexact(DrivenMotion play, const ExecutionTolerance& t
 
 Eigen::MatrixXd MotionSpace::jacobian(const Coordinates& values) const {
   constexpr double kStep = 1e-4;  // of the range
-  Eigen::MatrixXd j(kPlayNumbers, dimension());
+  Eigen::MatrixXd j(kDrivenNumbers, dimension());
   for (int k = 0; k < dimension(); ++k) {
     const Variable& v = variables_[std::size_t(k)];
     Coordinates up = values, down = values;
@@ -96,23 +96,23 @@ Eigen::MatrixXd MotionSpace::jacobian(const Coordinates& values) const {
   return j;
 }
 
-std::array<double, 2> ends_of_move(double from, double fall) {
-  constexpr double kShortest = 0.02, kRoom = 0.08;  // [s]
-  return {from + kShortest, std::max(from + kShortest + kRoom, std::isfinite(fall) ? fall : 0)};
+std::array<double, 2> move_end_range(double from, double fall) {
+  constexpr double kShortest = 0.02, kMinRange = 0.08;  // [s]
+  return {from + kShortest, std::max(from + kShortest + kMinRange, std::isfinite(fall) ? fall : 0)};
 }
 
-Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p) {
-  Eigen::Matrix<double, kPlayNumbers, 1> n;
+Eigen::Matrix<double, kDrivenNumbers, 1> numbers(const DrivenMotion& p) {
+  Eigen::Matrix<double, kDrivenNumbers, 1> n;
   Motion m = p.motion;
   double none = 0;
-  const auto of = motion_numbers(m, none);
-  for (int k = 0; k < kMotionNumbers; ++k) n[k] = *of[std::size_t(k)];
+  const auto pointers = motion_numbers(m, none);
+  for (int k = 0; k < kMotionNumbers; ++k) n[k] = *pointers[std::size_t(k)];
   const auto drive = constants(p.sea);
   for (int k = 0; k < kConstants; ++k) n[kMotionNumbers + k] = drive[std::size_t(k)];
   return n;
 }
 
-/// A variable, and which of `numbers` it is.
+/// A variable and its index in numbers().
 struct ReferenceSpace::Number {
   int slot;
   Variable variable;
@@ -132,7 +132,7 @@ std::vector<ReferenceSpace::Number> ReferenceSpace::variables_of(const Scene& sc
     out.push_back({kGainSlot + 1, {"gain_d", "factor of K_d", "1", (*gains)[0], (*gains)[1], 1.0}});
   }
   if (scene.release) {
-    const auto to = ends_of_move(scene.release->from, fall_time(scene));
+    const auto to = move_end_range(scene.release->from, fall_time(scene));
     out.push_back({kToSlot, {"to", "end of the move in the air", "s", to[0], to[1]}});
   }
   return out;
@@ -156,7 +156,7 @@ void ReferenceSpace::release(const Scene& scene) {
   assert(scene.release.has_value() == release_.has_value());
   if (!scene.release) return;
   release_ = scene.release;
-  const auto to = ends_of_move(scene.release->from, fall_time(scene));
+  const auto to = move_end_range(scene.release->from, fall_time(scene));
   set_range(dimension() - 1, to[0], to[1]);
 }
 
@@ -164,8 +164,8 @@ Motion ReferenceSpace::motion(const Coordinates& x) const {
   Motion m{};
   if (release_) m.reposition = Reposition{release_->phi, release_->rate, release_->from, 0};
   double none = 0;
-  const auto of = motion_numbers(m, none);
-  for (int k = 0; k < dimension(); ++k) *of[std::size_t(slots_[std::size_t(k)])] = x[k];
+  const auto pointers = motion_numbers(m, none);
+  for (int k = 0; k < dimension(); ++k) *pointers[std::size_t(slots_[std::size_t(k)])] = x[k];
   return m;
 }
 
@@ -186,7 +186,7 @@ std::optional<Coordinates> ReferenceSpace::holding(double phi) const {
 }
 
 Eigen::MatrixXd ReferenceSpace::jacobian(const Coordinates&) const {
-  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kPlayNumbers, dimension());
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kDrivenNumbers, dimension());
   for (int k = 0; k < dimension(); ++k) j(slots_[std::size_t(k)], k) = 1;
   return j;
 }

@@ -1,5 +1,5 @@
-// The motions that a search may choose from: a box of variables, and what a point of it means. Solvers, map, evidence,
-// gradients and reports count no variables of their own: they ask the space.
+// The search space of motions: a box of variables, and the motion and drive of each point. Solvers, map, evidence,
+// gradients and reports take variables only from here.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,20 +15,19 @@
 
 namespace ukemi::landing {
 
-/// A number for each variable: values in their units, or places 0..1 in their ranges.
-using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMostVariables, 1>;
+/// A number for each variable: values in their units, or coordinates 0..1 in their ranges.
+using Coordinates = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxVariables, 1>;
 
-/// The numbers of a play that gradients know, in the order of Parameter (landing/derivatives/gradient.hpp): those of
-/// the motion, phi_I, phi_F and duration first, then constants() of the drive.
-inline constexpr int kPlayNumbers = kMotionNumbers + kConstants;
-Eigen::Matrix<double, kPlayNumbers, 1> numbers(const DrivenMotion& p);
+/// The numbers of a DrivenMotion with derivatives, in the order of Parameter (landing/derivatives/gradient.hpp): those
+/// of the motion, then constants() of the drive.
+inline constexpr int kDrivenNumbers = kMotionNumbers + kConstants;
+Eigen::Matrix<double, kDrivenNumbers, 1> numbers(const DrivenMotion& p);
 
-/// The range of `to` where the reference may move from `from` on and the floor comes after `fall` [s]: a move ends
-/// before a robot that does not move would meet the floor, but lasts its shortest.
-std::array<double, 2> ends_of_move(double from, double fall);
+/// Range of `to` for a move from `from` on and a fall to the floor of `fall` [s]: the move ends before the touchdown of
+/// a robot that does not move, but has a minimum duration.
+std::array<double, 2> move_end_range(double from, double fall);
 
-/// Where the reference of a robot that plans nothing stands: where it is released, else in the middle of the range of
-/// the end angles [rad].
+/// Constant reference of a robot without a plan: its release angle, else the middle of the range of end angles [rad].
 double held_angle(const Scene& scene);
 
 /// The motions of the tolerant peak: x (k = 0), six face centres, eight corners of the box of an execution tolerance.
@@ -37,38 +36,35 @@ Deviation execution_deviation(int k);
 
 class MotionSpace {
  public:
-  /// 1 to kMostVariables of them. Throws InputError for a range that is empty or not finite.
+  /// Takes 1 to kMaxVariables variables. Throws InputError for a range that is empty or not finite.
   explicit MotionSpace(std::vector<Variable> variables);
   virtual ~MotionSpace() = default;
 
   int dimension() const { return int(variables_.size()); }
   const std::vector<Variable>& variables() const { return variables_; }
-  /// Values of a point of the unit cube, within their ranges (beyond them where it is beyond the cube); and the middle
-  /// of the cube.
+  /// Values of a point of the unit cube; beyond their ranges if it is outside the cube.
   Coordinates values(const Coordinates& unit) const;
-  /// The inverse: the place of values, beyond the cube where they are beyond their ranges; then the nearest in it. A
-  /// range of one value has its middle.
+  /// The inverse of values(), 0.5 in empty ranges, outside the cube for values beyond ranges; unit() clamps it.
   Coordinates place(const Coordinates& values) const;
   Coordinates unit(const Coordinates& values) const { return place(values).cwiseMax(0).cwiseMin(1); }
   Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
 
-  /// The motion whose reference is phi [rad] throughout, else as the drive is: what a robot does that plans
-  /// nothing. It may lie beyond the ranges. Absent where a space knows none.
+  /// Values for a constant reference phi [rad] and neutral other variables, maybe beyond the ranges; absent: none.
   virtual std::optional<Coordinates> holding(double /*phi*/) const { return std::nullopt; }
-  /// Which of the values lie on the lower (-1) or upper (+1) edge of their range, or beyond it, to a thousandth of it.
+  /// For each value -1 at or below the lower edge of its range, +1 at or above the upper, to a thousandth of the range.
   Edges edges(const Coordinates& values) const;
 
-  /// What the values stand for.
+  /// The motion and drive of the values.
   virtual DrivenMotion play(const Coordinates& values) const = 0;
-  /// The motion as a robot plays it: end angles and duration are what it misses, whatever the other variables. The box
-  /// may leave the ranges; a duration stops at 0.1 ms.
+  /// The motion with a deviation of its end angles and duration, in units of the tolerance. The result may leave the
+  /// ranges; durations are at least 0.1 ms.
   virtual DrivenMotion inexact(DrivenMotion play, const ExecutionTolerance& tolerance,
                                const Deviation& deviation) const;
-  /// Point k of its execution box, the play itself first.
+  /// Point k of the execution box of `play`; point 0 is `play` itself.
   DrivenMotion execution_point(const DrivenMotion& play, const ExecutionTolerance& tolerance, int k) const {
     return k == 0 ? play : inexact(play, tolerance, execution_deviation(k));
   }
-  /// d numbers(play) / d values, kPlayNumbers by dimension(): by central differences where a space knows no better.
+  /// d numbers(play) / d values, kDrivenNumbers by dimension(): by default from central differences.
   virtual Eigen::MatrixXd jacobian(const Coordinates& values) const;
 
  protected:
@@ -80,17 +76,17 @@ class MotionSpace {
   std::vector<Variable> variables_;
 };
 
-/// Eq. 6 of [1], x = [phi_I phi_F t] within the scene's search range, played by one actuator; and what the scene lets a
-/// motion have beside it, in this order: bumps, gains, the end of the move in the air.
+/// Eq. 6 of [1], x = [phi_I phi_F t] within the scene's search range, played by one actuator; then the scene's
+/// further variables, in this order: bumps, gains, the end of the move in the air.
 class ReferenceSpace : public MotionSpace {
  public:
   ReferenceSpace(const Scene& scene, const SeaParameters<double>& sea);
   DrivenMotion play(const Coordinates& x) const override { return {motion(x), sea_}; }
-  /// The values of a motion; what it has and the space has not is lost.
+  /// The values of a motion; numbers that are no variables of the space are dropped.
   Coordinates values_of(const Motion& m) const;
   std::optional<Coordinates> holding(double phi) const override;
   Eigen::MatrixXd jacobian(const Coordinates&) const override;
-  /// This space for another release: of `scene`, which has one if and only if the space's own had.
+  /// Sets the release of `scene`, which must have one if and only if the space was built with one.
   void release(const Scene& scene);
 
  private:
@@ -105,7 +101,7 @@ class ReferenceSpace : public MotionSpace {
   SeaParameters<double> sea_;
 };
 
-/// A motion with its deviation; a duration stops at 0.1 ms.
+/// A motion with a deviation in units of the tolerance; the duration is at least 0.1 ms.
 Motion deviated(const Motion& motion, const ExecutionTolerance& tolerance, const Deviation& deviation);
 
 }  // namespace ukemi::landing

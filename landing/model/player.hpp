@@ -1,4 +1,4 @@
-// A plan played on a robot: the reference of every joint at any time of the robot's own clock.
+// Plays a plan on a robot: the reference of every joint at any time of the robot's clock.
 #pragma once
 
 #include <optional>
@@ -16,12 +16,11 @@ struct DriveCommand {
 };
 
 /// Holds the angles of release until `released` is called, moves in the air by the clock, and plays the landing
-/// motion of every joint from the touchdown on, whatever the move in the air is doing then. Behind the end of each
-/// motion its last angle is held. After construction nothing allocates or throws: made for a control loop.
+/// motion of every joint from the touchdown on, interrupting the move in the air if it is not over. After the end of
+/// each motion its last angle is held. After construction nothing allocates or throws: made for a control loop.
 class Player {
  public:
-  /// A motion for each joint, in the robot's order; of the paper's robot one. Throws InputError for what is no motion,
-  /// and for none.
+  /// One motion per joint, in the robot's order. Throws InputError for an invalid motion, and for none.
   explicit Player(std::vector<Motion> motions);
 
   int joints() const noexcept { return int(motions_.size()); }
@@ -40,7 +39,7 @@ class Player {
   double end() const noexcept;
 
  private:
-  std::vector<Motion> motions_, landings_;  ///< as planned; as they start at the touchdown
+  std::vector<Motion> motions_, landings_;  ///< as planned; as started at the touchdown
   std::optional<double> released_, touchdown_;
 };
 

@@ -1,4 +1,4 @@
-// How a landing begins: the state at release, and the flight that follows it in closed form.
+// The start of a landing: the state at release, and the following flight in closed form.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace ukemi::landing {
 
-/// State at release, x_0 = 0, the lowest contact point at the drop's height. The drop and the motion are given in the
-/// system's scalar; of the scene, only which points may touch counts.
+/// State at release: x_0 = 0, the lowest contact point at the drop's height. Drop and motion have the system's scalar;
+/// of the scene only the contacts are used.
 template <class System, class T>
 typename System::State released(const System& system, const Scene& scene, const DropOf<T>& drop,
                                 const MotionOf<T>& motion) {
@@ -36,29 +36,26 @@ typename System::State released(const System& system, const Scene& scene, const 
   return y;
 }
 
-/// With no rates at release nothing moves relative to anything else until the floor is reached or the reference moves:
-/// ballistic, in closed form.
+/// Whether the flight is ballistic, in closed form, until a touchdown or a move of the reference: no rates at release.
 inline bool is_ballistic(const Drop& drop, double joint_rate) { return drop.pitch_rate == 0 && joint_rate == 0; }
-/// How long a fall of height h [m] takes at an acceleration g [m/s^2] from a speed v upwards [m/s]; infinite if it
-/// never ends [s].
+/// Duration of a fall from height h [m] at g [m/s^2] with speed v upwards [m/s]; infinite if it never ends [s].
 inline double fall_time(double g, double h, double v) {
   if (!(g > 0 || h == 0 || v < 0)) return std::numeric_limits<double>::infinity();
   if (!(g > 0)) return h == 0 ? 0 : h / -v;
   return v == 0 ? std::sqrt(2 * h / g) : (v + std::sqrt(v * v + 2 * g * h)) / g;
 }
-/// How long it takes to the floor where nothing moves; infinite if it never comes [s].
+/// Duration of a ballistic fall to the floor; infinite if it is not reached [s].
 inline double fall_time(const Scene& scene) {
   if (!scene.touches()) return std::numeric_limits<double>::infinity();
   return fall_time(scene.robot.gravity, scene.drop.height, scene.drop.vertical_speed);
 }
-/// How long a run without t_end is followed for its first touchdown: until every point must have met the floor, and as
-/// long again as any landing; with t_end until then [s].
+/// Time limit before the first touchdown: t_end, else an upper bound of the flight plus Scene::kFollow [s].
 inline double flight_limit(const Scene& scene, const Motion& motion) {
   if (scene.t_end) return *scene.t_end;
   const double g = scene.robot.gravity, joint_rate = motion.release_rate();
   if (!scene.touches() || !(g > 0)) return Scene::kFollow;
   if (is_ballistic(scene.drop, joint_rate) && !motion.reposition) return fall_time(scene) + Scene::kFollow;
-  const double reach = 2 * scene.robot.link_length;  // no point is farther from the centre of mass
+  const double reach = 2 * scene.robot.link_length;  // upper bound of a point's distance from the centre of mass
   const double rise =
       reach * (std::abs(scene.drop.pitch_rate) + std::abs(joint_rate)) + std::max(0.0, scene.drop.vertical_speed);
   return (rise + std::sqrt(rise * rise + 2 * g * (scene.drop.height + 2 * reach))) / g + Scene::kFollow;
@@ -70,7 +67,7 @@ void fly(const System& system, const Scene& scene, double t, typename System::St
   using T = typename System::State::Scalar;
   const T g(system.link.gravity), v = y[kVy];
   T fallen = T(0.5) * g * T(t) * T(t) - v * T(t);
-  if (t == fall_time(scene)) fallen += T(scene.drop.height - value_of(fallen));  // free of rounding
+  if (t == fall_time(scene)) fallen += T(scene.drop.height - value_of(fallen));  // exactly on the floor
   y[kX] += y[kVx] * T(t), y[kVy] = v - g * T(t);
   y[kY] -= fallen;
 }

@@ -1,4 +1,4 @@
-// How the drops of a scene scatter about the one that is planned. Ours; the paper knows one drop.
+// Scatter of the drops of a scene about the planned one. Ours; the paper has one drop.
 #pragma once
 
 #include <algorithm>
@@ -6,23 +6,23 @@
 
 namespace ukemi::landing {
 
-/// Standard deviations. Each number is normal and independent, cut at three deviations; those of the floor's constants
-/// and the delay end at 0. A drop's numbers that stand here as 0 do not scatter.
+/// Standard deviations, 0 for numbers that do not scatter. Numbers are independent and normal, truncated at three
+/// deviations; floor constants and delay also at 0.
 struct Scatter {
-  double pitch = 0;          ///< of the thigh at release [rad]
-  double height = 0;         ///< of the drop [m]
-  double forward_speed = 0;  ///< [m/s]
-  double pitch_rate = 0;     ///< [rad/s]
-  double phi = 0;            ///< of the joint at release, spring relaxed, the reference with it [rad]
-  double rate = 0;           ///< of the joint at release [rad/s]
-  double stiffness = 0;      ///< of the floor: standard deviation of its logarithm, 0.1 for some 10 %
-  double damping_normal = 0, damping_tangential = 0;  ///< the same
+  double pitch = 0;                                   ///< of the thigh at release [rad]
+  double height = 0;                                  ///< of the drop [m]
+  double forward_speed = 0;                           ///< [m/s]
+  double pitch_rate = 0;                              ///< [rad/s]
+  double phi = 0;                                     ///< of joint and reference at release, spring relaxed [rad]
+  double rate = 0;                                    ///< of the joint at release [rad/s]
+  double stiffness = 0;                               ///< of the floor: deviation of its logarithm, 0.1 for 10 %
+  double damping_normal = 0, damping_tangential = 0;  ///< as `stiffness`
   double delay = 0;                                   ///< of the touchdown's detection [s]
-  double slope = 0;  ///< of the floor [rad]; this and all below: of robots of links alone
+  double slope = 0;  ///< of the floor [rad]; this and the rest: only for robots of links
   double friction = 0, stiffness_tangential = 0, dissipation = 0;  ///< of every contact, as `stiffness`
   double pad_thickness = 0, pad_stiffness = 0, pad_damping = 0;    ///< of every pad, as `stiffness`
 
-  /// What is assumed where nothing is said: 1 deg, 1 cm, 3 cm/s.
+  /// Default: 1 deg, 1 cm, 3 cm/s.
   static constexpr Scatter assumed() { return {.pitch = 0.017453292519943295, .height = 0.01, .forward_speed = 0.03}; }
   bool any() const;
   void validate() const;  ///< throws InputError for a deviation below 0 or not finite
@@ -35,7 +35,7 @@ struct ScatterTerm {
   const char* unit;  ///< SI
   Kind kind;
   double Scatter::*deviation;
-  bool of_links = false;  ///< the paper's robot and its floor have no such number
+  bool of_links = false;  ///< only for robots of links
 };
 inline constexpr std::array<ScatterTerm, 17> kScatterTerms = {{
     {"pitch", "rad", ScatterTerm::Kind::kAngle, &Scatter::pitch},

@@ -46,7 +46,7 @@ void Scene::validate() const {
   check_not_negative("detection_delay", detection_delay);
   check_rising("search.phi", search.phi), check_rising("search.duration", search.duration);
   check_positive("search.duration", search.duration[0]);
-  check_count("bumps", freedom.bumps, 0, kMostBumps);
+  check_count("bumps", freedom.bumps, 0, kMaxBumps);
   if (freedom.bumps > 0) check_rising("bump", freedom.bump);
   if (freedom.gains)
     check_rising("landing_gains", *freedom.gains), check_not_negative("landing_gains", (*freedom.gains)[0]);

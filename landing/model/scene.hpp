@@ -1,4 +1,4 @@
-// A scene: the robot, the floor, the drop, and what a motion may be. Everything but the actuator and the motion.
+// A scene: robot, floor, drop and search range; everything but the actuator and the motion.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct DropOf {
 };
 using Drop = DropOf<double>;
 
-/// How the joint hangs when the robot lets go, or when a plan arrives. Ours; absent: at phi_I, as in [1].
+/// State of the joint when the robot lets go, or when a plan arrives. Ours; absent: at phi_I, as in [1].
 struct Release {
   double phi;       ///< joint angle, the spring relaxed [rad]
   double rate = 0;  ///< [rad/s]
@@ -36,9 +36,9 @@ struct SearchRange {
   std::array<double, 2> duration{0.1, 1.0};           ///< [s]
 };
 
-/// What motions have besides Eq. 6's three numbers (landing/model/motion.hpp). Ours; absent by default.
+/// Variables of motions besides the three of Eq. 6 (landing/model/motion.hpp). Ours; absent by default.
 struct Freedom {
-  int bumps = 0;                                                        ///< shape terms, 0..kMostBumps
+  int bumps = 0;                                                        ///< shape terms, 0..kMaxBumps
   std::array<double, 2> bump{-2.0943951023931953, 2.0943951023931953};  ///< range of each: +-120 deg [rad]
   std::optional<std::array<double, 2>> gains;                           ///< range of gain_p and gain_d; absent: 1
 };
@@ -49,7 +49,7 @@ struct ExecutionTolerance {
   double duration = 0.002;                  ///< [s], >= 0
 };
 
-/// What a scene's [uncertainty] may name: the floor's constants, and the pitch that was found with them.
+/// Names of a scene's [uncertainty]: the floor's constants, and the pitch that was estimated with them.
 inline constexpr std::array<const char*, 4> kUncertainNames = {"stiffness", "damping_normal", "damping_tangential",
                                                                "pitch"};
 
@@ -57,13 +57,13 @@ struct Scene {
   std::string name;
   TwoLink<double> robot;
   std::array<bool, kPoints> contacts{};  ///< which points may touch
-  std::optional<Floor<double>> floor;    ///< absent: nothing to touch
+  std::optional<Floor<double>> floor;    ///< absent: no contact
   std::string floor_source;              ///< where the floor's constants come from
   Drop drop;
   std::optional<Release> release;              ///< absent: released at phi_I
   std::optional<std::array<double, 2>> joint;  ///< stops of the joint angle phi_1 [rad]
   std::optional<Uncertainty> uncertainty;      ///< of stiffness, damping_normal, damping_tangential, pitch
-  Verdicts verdicts;                           ///< of those, by the calibration that wrote them; empty: it says nothing
+  Verdicts verdicts;                           ///< on those, by the calibration that wrote them; empty: none
   std::optional<Scatter> scatter;              ///< of its drops; absent: the scene does not state it
   double detection_delay = 0;                  ///< from the first touchdown to the motion's start [s], >= 0
   SearchRange search;
@@ -74,7 +74,7 @@ struct Scene {
   /// A run lasts at most this long after the first touchdown where t_end is absent [s].
   static constexpr double kFollow = 10;
 
-  /// Throws InputError for a number outside the range given with it, or that read_scene refuses.
+  /// Throws InputError for a number outside its documented range, or that read_scene refuses.
   void validate() const;
   bool touches() const { return floor.has_value() && (contacts[kHip] || contacts[kKnee] || contacts[kFoot]); }
 };

@@ -20,17 +20,16 @@ namespace {
 
 /// A range [low, high] of at least one value.
 template <class Pair>
-std::array<double, 2> rising(const TomlSection& section, const std::string& key, const Pair& v) {
+std::array<double, 2> nonempty_range(const TomlSection& section, const std::string& key, const Pair& v) {
   if (!(v[0] < v[1])) section.fail(key, "the range is empty: [low, high] with low < high is needed");
   return {v[0], v[1]};
 }
 
-/// [motion], [release], [joint], [uncertainty], [verdict], [scatter] and [detection]: what this scene has besides the
-/// paper's.
-void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
+/// Reads [motion], [release], [joint], [uncertainty], [verdict], [scatter], [detection], which the paper's scene lacks.
+void read_further_tables(TomlFile& file, Scene& scene) {
   if (auto motion = file.optional("motion")) scene.freedom = read_freedom(*motion);
   if (auto joint = file.optional("joint"))
-    if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = rising(*joint, "phi_deg", *stops);
+    if (const auto stops = joint->optional_angle_pair("phi")) scene.joint = nonempty_range(*joint, "phi_deg", *stops);
   if (auto release = file.optional("release")) {
     scene.release = Release{release->angle("phi"), release->optional_rate("rate").value_or(0),
                             release->optional_number("from", Range::non_negative()).value_or(0)};
@@ -41,10 +40,10 @@ void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
   scene.verdicts = read_verdicts(file, {kUncertainNames.begin(), kUncertainNames.end()});
   if (auto scatter = file.optional("scatter")) scene.scatter = read_scatter(*scatter, false);
   if (auto detection = file.optional("detection")) {
-    constexpr double kLatest = 0.1;  // [s]
+    constexpr double kMaxDelay = 0.1;  // [s]
     scene.detection_delay = detection->optional_number("delay", Range::non_negative()).value_or(0);
-    if (scene.detection_delay > kLatest)
-      detection->fail("delay", shortest(scene.detection_delay) + " s: at most " + shortest(kLatest) + " s is needed");
+    if (scene.detection_delay > kMaxDelay)
+      detection->fail("delay", shortest(scene.detection_delay) + " s: at most " + shortest(kMaxDelay) + " s is needed");
   }
 }
 
@@ -52,10 +51,10 @@ void read_tables_beyond_the_paper(TomlFile& file, Scene& scene) {
 
 Freedom read_freedom(TomlSection& motion) {
   Freedom out;
-  out.bumps = int(motion.optional_count("bumps", 0, kMostBumps).value_or(0));
-  if (const auto bump = motion.optional_angle_pair("bump")) out.bump = rising(motion, "bump_deg", *bump);
+  out.bumps = int(motion.optional_count("bumps", 0, kMaxBumps).value_or(0));
+  if (const auto bump = motion.optional_angle_pair("bump")) out.bump = nonempty_range(motion, "bump_deg", *bump);
   if (const auto gains = motion.optional_numbers("landing_gains", 2, Range::non_negative()))
-    out.gains = rising(motion, "landing_gains", *gains);
+    out.gains = nonempty_range(motion, "landing_gains", *gains);
   return out;
 }
 
@@ -98,10 +97,7 @@ Scene read_scene(const std::string& path) {
 
   constexpr const char* kLinks =
       "a robot of links: `ukemi simulate`, `optimize`, `risk`, `compare`, `map`, `trade` and `robot` take it; here the "
-      "paper's "
-      "two "
-      "links are needed, "
-      "link_length, mass and inertia_com";
+      "paper's two links are needed, link_length, mass and inertia_com";
   if (file.optional_text("robot")) throw InputError(Location{path}, std::string("robot: ") + kLinks);
   TomlSection robot = file.require("robot");
   if (robot.has("link")) robot.fail("link", kLinks);
@@ -122,13 +118,14 @@ Scene read_scene(const std::string& path) {
   scene.drop.pitch_rate = drop.optional_number("pitch_rate", Range::any()).value_or(0);
 
   if (auto search = file.optional("search")) {
-    if (const auto phi = search->optional_angle_pair("phi")) scene.search.phi = rising(*search, "phi_deg", *phi);
+    if (const auto phi = search->optional_angle_pair("phi"))
+      scene.search.phi = nonempty_range(*search, "phi_deg", *phi);
     if (const auto d = search->optional_numbers("duration", 2, Range::positive()))
-      scene.search.duration = rising(*search, "duration", *d);
+      scene.search.duration = nonempty_range(*search, "duration", *d);
   }
   if (auto execution = file.optional("execution")) scene.execution = read_execution(*execution);
   if (auto run = file.optional("run")) scene.t_end = run->optional_number("t_end", Range::positive());
-  read_tables_beyond_the_paper(file, scene);
+  read_further_tables(file, scene);
   file.finish();
   return scene;
 }
@@ -139,9 +136,9 @@ Motion read_motion(const std::string& path) {
   TomlSection s = file.require("motion");
   auto move = file.optional("reposition");
   const char* const joint = kPointNames[kKnee];
-  auto of_knee = s.optional_section(joint);  // as of a robot of links
+  auto knee_table = s.optional_section(joint);  // as in motions of robots of links
   const Motion motion =
-      of_knee ? read_motion(*of_knee, move ? move->optional_section(joint) : std::nullopt) : read_motion(s, move);
+      knee_table ? read_motion(*knee_table, move ? move->optional_section(joint) : std::nullopt) : read_motion(s, move);
   if (auto p = file.optional("provenance")) p->accept_all();
   file.finish();
   return motion;
@@ -149,7 +146,7 @@ Motion read_motion(const std::string& path) {
 
 Motion read_motion(TomlSection& s, std::optional<TomlSection> r) {
   Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};
-  const std::vector<double> bumps = s.optional_list("bumps_deg", kMostBumps, Range::any());
+  const std::vector<double> bumps = s.optional_list("bumps_deg", kMaxBumps, Range::any());
   for (std::size_t k = 0; k < bumps.size(); ++k) motion.bumps[k] = bumps[k] * kDegree;
   motion.gain_p = s.optional_number("gain_p", Range::non_negative()).value_or(1);
   motion.gain_d = s.optional_number("gain_d", Range::non_negative()).value_or(1);
@@ -173,8 +170,8 @@ struct LineWriter {
   }
 };
 
-/// What this scene has in addition to the paper's: the tables after [run].
-std::string tables_beyond_the_paper(const Scene& s) {
+/// Text of the tables that the paper's scene has not, which follow [run].
+std::string further_tables(const Scene& s) {
   std::string text;
   const LineWriter line{text};
   if (s.freedom.bumps > 0 || s.freedom.gains) {
@@ -243,7 +240,7 @@ std::string to_toml(const Scene& s, const std::string& comments) {
     text += "\n[run]\n";
     line("t_end", shortest(*s.t_end), "s");
   }
-  return text + tables_beyond_the_paper(s) + verdict_table(s.verdicts);
+  return text + further_tables(s) + verdict_table(s.verdicts);
 }
 
 std::string to_toml(const Motion& m, const std::string& comments) {
@@ -253,8 +250,8 @@ std::string to_toml(const Motion& m, const std::string& comments) {
 }
 
 std::string motion_tables(const Motion& m, const std::string& joint) {
-  const std::string of = joint.empty() ? "" : "." + joint;
-  std::string text = fmt::format("[motion{}]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n", of,
+  const std::string suffix = joint.empty() ? "" : "." + joint;
+  std::string text = fmt::format("[motion{}]\nphi_i_deg = {}\nphi_f_deg = {}\nduration = {}  # s\n", suffix,
                                  shortest(m.phi_i * kDegrees), shortest(m.phi_f * kDegrees), shortest(m.duration));
   if (has_bumps(m)) {
     std::string bumps;
@@ -266,7 +263,7 @@ std::string motion_tables(const Motion& m, const std::string& joint) {
                         shortest(m.gain_p), shortest(m.gain_d));
   if (const auto& r = m.reposition)
     text += fmt::format(
-        "\n[reposition{}]\nphi_deg = {}  # at release\nrate_deg = {}\nfrom = {}  # s from release\nto = {}\n", of,
+        "\n[reposition{}]\nphi_deg = {}  # at release\nrate_deg = {}\nfrom = {}  # s from release\nto = {}\n", suffix,
         shortest(r->phi * kDegrees), shortest(r->rate * kDegrees), shortest(r->from), shortest(r->to));
   return text;
 }

@@ -1,4 +1,4 @@
-// Tables of scenes and motions, as their files and those of robots of links hold them.
+// Readers of tables that files of scenes and motions share with those of robots of links.
 #pragma once
 
 #include <array>
@@ -11,28 +11,27 @@
 
 namespace ukemi::landing {
 
-/// What motions may have besides the paper's three numbers, of [motion]: bumps, bump_deg, landing_gains. Throws
-/// InputError.
+/// Reads the variables besides the paper's three from [motion]: bumps, bump_deg, landing_gains. Throws InputError.
 Freedom read_freedom(TomlSection& motion);
 
-/// A fault of a scene's release.
+/// An invalid key of a scene's [release].
 struct ReleaseFault {
   std::string key, message;
 };
-/// A release outside of the joint's stops, or a move that would begin after the first touchdown; else nothing.
+/// The fault of a release outside the joint's stops, or of a move that would begin after the first touchdown, if any.
 std::optional<ReleaseFault> release_fault(const Scene& scene);
 
-/// [robot] in the short form: the paper's two links, and which points may touch.
+/// [robot] in the short form: the paper's robot, and which points may touch.
 struct TwoLinkTable {
   TwoLink<double> robot;
   std::array<bool, kPoints> contacts{};
 };
 TwoLinkTable read_two_link(TomlSection& robot);
 
-/// A motion from its tables, of which the second may be absent.
+/// Reads a motion from [motion] and, if present, [reposition].
 Motion read_motion(TomlSection& motion, std::optional<TomlSection> reposition);
 
-/// A motion's tables alone; of one of several joints, with its name: [motion.JOINT].
+/// The text of a motion's tables; with a joint's name [motion.JOINT] and [reposition.JOINT].
 std::string motion_tables(const Motion& motion, const std::string& joint = "");
 
 }  // namespace ukemi::landing

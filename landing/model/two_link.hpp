@@ -1,6 +1,6 @@
 // The two-link floating-base robot in the vertical plane, Eq. 1 of [1] in a reduced form.
 //
-// The total centre of mass R moves under the contact forces alone and separates from the two absolute angles
+// The total centre of mass R moves only under the contact forces and decouples from the two absolute angles
 // theta_0 = phi_0 (thigh) and theta_1 = phi_0 + phi_1 (shank):
 //
 //     R'' = sum_j F_j / (m_0 + m_1) + (0, -g)
@@ -25,8 +25,7 @@ namespace ukemi::landing {
 template <class T>
 using Vec2 = Eigen::Matrix<T, 2, 1>;
 
-/// What the equations need of a TwoLink, worked out once a run. Its scalar may be a double where the state carries
-/// derivatives by other things.
+/// Coefficients of the equations, computed once per run. T may be double if states have no derivatives by them.
 template <class T>
 class TwoLinkDynamics {
  public:
@@ -60,7 +59,7 @@ class TwoLinkDynamics {
         inertia0(o.inertia0),
         inertia1(o.inertia1) {}
 
-  /// f(a's, b's) of every constant.
+  /// Calls f(constant of x, same constant of y) for every constant.
   template <class A, class B, class F>
   static void for_each(A& x, const B& y, F&& f) {
     f(x.total_mass, y.total_mass), f(x.inverse_mass, y.inverse_mass), f(x.gravity, y.gravity), f(x.a, y.a);
@@ -76,7 +75,7 @@ class TwoLinkDynamics {
   T mu_a2, inertia0, inertia1;  ///< mu a^2, A, B
 };
 
-/// Sines and cosines of both angles, position and rates of a state.
+/// Position, velocities, sines and cosines of both angles, and their rates.
 template <class T>
 struct Pose {
   T x, y, vx, vy, s0, c0, s1, c1, omega0, omega1;
@@ -114,7 +113,7 @@ T acceleration_y(const TwoLinkDynamics<C>& d, const Pose<T>& p, const Accelerati
          d.arm1[point] * (acc.theta1 * p.s1 + p.omega1 * p.omega1 * p.c1);
 }
 
-/// Sums of the contact forces as the equations of motion see them; add each point's force, then `solve`.
+/// Generalised contact forces: add each point's force, then `solve`.
 template <class T>
 struct Loads {
   T fx{0}, fy{0}, q0{0}, q1{0};
@@ -159,7 +158,7 @@ Vec2<T> thigh_velocity(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
   return {p.vx - k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy - k * (p.omega0 * p.s0 + p.omega1 * p.s1)};
 }
 
-/// The inertia that the joint's torque sees where nothing else acts: ddphi_1 = tau / M at rest; phi_1 [rad], [kg m^2].
+/// Effective inertia M of the joint [kg m^2] at phi_1 = phi [rad]: ddphi_1 = tau / M at rest without other forces.
 template <class C>
 C joint_inertia(const TwoLinkDynamics<C>& d, const C& phi) {
   using std::cos;

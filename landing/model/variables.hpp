@@ -1,4 +1,4 @@
-// The variables that a search chooses, and the motion and drive that a choice of them gives.
+// The variables of a search, and the motion and drive that their values give.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@ namespace ukemi::landing {
 
 /// A variable of a motion space.
 struct Variable {
-  std::string name;     ///< key and column in files, without its unit: "phi_i"
-  std::string words;    ///< for a reader: "phi_I"
+  std::string name;     ///< key and column in files, without unit: "phi_i"
+  std::string words;    ///< in reports: "phi_I"
   std::string unit;     ///< of its values, SI: "rad", "s", "1"
-  double lower, upper;  ///< the range that is searched
-  /// Where it does nothing, if such a value is within its range: a search also looks at motions without it.
+  double lower, upper;  ///< search range
+  /// Value without effect, if within its range: a search also tries motions without the variable.
   std::optional<double> neutral = {};
 };
 
-/// As many as a motion of Eq. 6 of [1] has: phi_I, phi_F, duration.
+/// Number of variables of Eq. 6 of [1]: phi_I, phi_F, duration.
 inline constexpr int kPaperVariables = 3;
-/// A space has at most so many variables: points of it need no allocation.
-inline constexpr int kMostVariables = 20;
-/// A number for each variable, in their order, SI; nothing in it allocates. Takes and gives Eigen's vectors too.
+/// Maximum number of variables of a space: its points need no allocation.
+inline constexpr int kMaxVariables = 20;
+/// A number for each variable, in order, SI, without allocation; converts from and to Eigen's vectors.
 class MotionValues {
  public:
   MotionValues() = default;
@@ -51,20 +51,20 @@ class MotionValues {
   bool operator==(const MotionValues&) const = default;
 
  private:
-  std::array<double, kMostVariables> values_{};
+  std::array<double, kMaxVariables> values_{};
   int size_ = 0;
 };
 
 /// For each variable -1 on the lower edge of its range, +1 on the upper, else 0.
-using Edges = std::array<signed char, kMostVariables>;
+using Edges = std::array<signed char, kMaxVariables>;
 
-/// What a point of a space gives: the reference that is played, and the drive that follows it.
+/// The motion and the drive of a point of a space.
 struct DrivenMotion {
   Motion motion;
   SeaParameters<double> sea;
 };
 
-/// How a motion that is played deviates from its plan, in parts of the execution tolerance, -1..1.
+/// Deviation of an executed motion from its plan, in units of the execution tolerance, -1..1.
 struct Deviation {
   double phi_i, phi_f, duration;
 };

@@ -1,4 +1,4 @@
-// A piece of the reference as a few points that a quintic spline goes through, as trajectory controllers take it.
+// A piece of the reference as waypoints of a quintic spline, as trajectory controllers need it.
 #pragma once
 
 #include <vector>
@@ -15,19 +15,18 @@ struct Waypoint {
   double ddphi;  ///< [rad/s^2]
 };
 
-/// A spline of waypoints is the reference within this [rad].
+/// Maximum error of a spline of waypoints [rad].
 inline constexpr double kSplineMisfit = 1e-4;
 
 /// Angle of the quintic that has the angles, rates and accelerations of both points, at a time between them [rad].
 double spline_between(const Waypoint& a, const Waypoint& b, double t);
 
-/// A piece of the reference as waypoints, the first at its start, the last at its end, as many equal steps as a quintic
-/// spline needs to keep kSplineMisfit: looked for from one step on, by trial at 64 places of each. One step is exact
-/// where there are no shape terms, but for the nanosecond to which the duration is rounded.
+/// A piece of the reference as waypoints, the first at its start, the last at its end, with the fewest equal steps
+/// that keep kSplineMisfit at 64 samples of each. Without shape terms one step is exact, but for the rounding of the
+/// duration to nanoseconds.
 /// Tests: test/unit/waypoints.cpp.
 std::vector<Waypoint> waypoints(const ReferencePiece<double>& piece);
-/// Several pieces from t = 0 on, each from its own start (>= 0): the waypoints of each piece at the times of all, the
-/// same number for each. A piece is constant before its start and after its end.
+/// Waypoints of several pieces with starts >= 0 at the union of their times; before and after it a piece is constant.
 std::vector<std::vector<Waypoint>> waypoints(const std::vector<ReferencePiece<double>>& pieces);
 
 }  // namespace ukemi::landing

@@ -25,15 +25,15 @@ BodyMotion BodyDrop::played(const BodyMotion& planned) const {
   BodyMotion out = planned;
   for (std::size_t i = 0; i < out.size(); ++i) {
     if (!scene.robot.joints[i].driven()) continue;
-    const Joint& at = joints[i];
-    out[i] = released_beside(deviated(planned[i], scene.execution, at.deviation), at.phi, at.rate);
+    const Joint& offset = joints[i];
+    out[i] = released_beside(deviated(planned[i], scene.execution, offset.deviation), offset.phi, offset.rate);
   }
   return out;
 }
 
 namespace {
 
-/// The constants of a contact are log-normal.
+/// Scales the constants of a contact, which are log-normal.
 void scale(ContactPoint& c, const Scatter& z) {
   for (const ScatterTerm& t : kScatterTerms)
     if (double* const x = t.kind == ScatterTerm::Kind::kRelative ? contact_constant(c, t.name) : nullptr)
@@ -46,11 +46,11 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
     : scene_(scene), phi_(scatter.phi > 0), rate_(scatter.rate > 0), inexact_(options.inexact) {
   scene.validate(), scatter.validate(), check_not_negative("inflate", options.inflate);
   const Robot& robot = scene.robot;
-  for (const auto& [deviation, base, what] :
+  for (const auto& [deviation, fixed, what] :
        {std::tuple(scatter.forward_speed, robot.base != Base::kFree, "forward_speed"),
         {scatter.pitch_rate, robot.base == Base::kRail, "pitch_rate"},
         {scatter.height, robot.base == Base::kPinned, "height"}})
-    if (deviation > 0 && base) throw InputError(std::string("scatter: ") + what + ": a robot on this base has none");
+    if (deviation > 0 && fixed) throw InputError(std::string("scatter: ") + what + ": a robot on this base has none");
   const auto check = [&](double deviation, const char* what, auto&& has) {
     if (deviation > 0 && std::none_of(robot.contacts.begin(), robot.contacts.end(), has))
       throw InputError(std::string("scatter: ") + what + ": no contact of this robot has any");
@@ -67,18 +67,18 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
   for (const ScatterTerm& t : kScatterTerms) {
     const bool of_joints = t.deviation == &Scatter::phi || t.deviation == &Scatter::rate;
     if (!(scatter.*t.deviation > 0) || of_joints) continue;
-    of_scene_.push_back(t.deviation);
+    scatter_terms_.push_back(t.deviation);
     sampler_.normal(t.name, scatter.*t.deviation);
   }
   if (scene.uncertainty) scatter_floor(*scene.uncertainty);
-  scene_.uncertainty.reset(), scene_.verdicts.clear();  // of the planned floor
+  scene_.uncertainty.reset(), scene_.verdicts.clear();
   if (phi_) sampler_.normal("phi", scatter.phi, int(driven_.size()));
   if (rate_) sampler_.normal("rate", scatter.rate, int(driven_.size()));
   for (const int i : driven_) {
     const Joint& joint = robot.joints[std::size_t(i)];
-    const auto of_it = [&](const std::string& name) { return name.starts_with("drive." + joint.name + "."); };
+    const auto of_drive = [&](const std::string& name) { return name.starts_with("drive." + joint.name + "."); };
     if (joint.covariance.size() == 0 || options.inflate == 0 ||
-        (scene.identified && std::any_of(scene.identified->order.begin(), scene.identified->order.end(), of_it)))
+        (scene.identified && std::any_of(scene.identified->order.begin(), scene.identified->order.end(), of_drive)))
       continue;
     fitted_.emplace_back(i, constant_indices(joint.uncertain));
     sampler_.correlated("drive of " + joint.name, joint.covariance, options.inflate);
@@ -86,62 +86,62 @@ BodyDropModel::BodyDropModel(const BodyScene& scene, const Scatter& scatter, con
   if (inexact_) sampler_.uniform("execution", 2 * int(driven_.size()) + 1);
 }
 
-/// Constants of the floor are log-normal: their covariance counts relative to what they are.
+/// Constants of the floor are log-normal: their covariance is made relative to their values.
 void BodyDropModel::scatter_floor(const Uncertainty& known) {
-  Eigen::VectorXd unit = Eigen::VectorXd::Ones(long(known.order.size()));
-  of_floor_ = known.order;
-  for (std::size_t i = 0; i < of_floor_.size(); ++i) {
-    const std::vector<double*> numbers = floor_constants(scene_, of_floor_[i]);
-    if (of_floor_[i] == kPitch) continue;
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(long(known.order.size()));
+  floor_names_ = known.order;
+  for (std::size_t i = 0; i < floor_names_.size(); ++i) {
+    const std::vector<double*> numbers = floor_constants(scene_, floor_names_[i]);
+    if (floor_names_[i] == kPitch) continue;
     const double value = numbers.empty() ? 0 : *numbers.front();
-    unit[long(i)] = value > 0 && std::isfinite(value) ? 1 / value : 0;
+    scale[long(i)] = value > 0 && std::isfinite(value) ? 1 / value : 0;
   }
-  sampler_.correlated("floor", unit.asDiagonal() * eigen(known.covariance) * unit.asDiagonal());
+  sampler_.correlated("floor", scale.asDiagonal() * eigen(known.covariance) * scale.asDiagonal());
 }
 
-/// None of what is above 0 falls below a hundredth of what it is.
+/// Positive constants stay above a hundredth of their values.
 void BodyDropModel::scatter_robot(const Uncertainty& known, double inflate) {
-  static constexpr double kLeast = 0.01;
+  static constexpr double kMinFactor = 0.01;
   for (const std::string& name : known.order) {
     const auto joint = std::find_if(scene_.robot.joints.begin(), scene_.robot.joints.end(),
                                     [&](const Joint& j) { return name == gain_name(j); });
     if (joint != scene_.robot.joints.end()) {
-      of_robot_.emplace_back([i = std::size_t(joint - scene_.robot.joints.begin())](BodyScene& s, double by_it) {
+      robot_setters_.emplace_back([i = std::size_t(joint - scene_.robot.joints.begin())](BodyScene& s, double delta) {
         SeaParameters<double>& sea = s.robot.joints[i].sea;
-        for (double* const x : {&sea.k_p, &sea.k_d, &sea.tau_max}) *x *= std::max(1 + by_it, kLeast);
+        for (double* const x : {&sea.k_p, &sea.k_d, &sea.tau_max}) *x *= std::max(1 + delta, kMinFactor);
       });
       continue;
     }
     const double value = design_number(scene_, name);
-    of_robot_.emplace_back([value, set = design_setter(scene_, name)](BodyScene& s, double by_it) {
-      set(s, value > 0 ? std::max(value + by_it, kLeast * value) : value + by_it);
+    robot_setters_.emplace_back([value, set = design_setter(scene_, name)](BodyScene& s, double delta) {
+      set(s, value > 0 ? std::max(value + delta, kMinFactor * value) : value + delta);
     });
   }
   sampler_.correlated("the robot", eigen(known.covariance), inflate);
 }
 
 BodyDrop BodyDropModel::drop(std::span<const double> u) const {
-  const std::vector<double> deviation = sampler_.at(u);
-  auto next = deviation.begin();
+  const std::vector<double> deviations = sampler_.at(u);
+  auto next = deviations.begin();
   BodyDrop out{scene_, std::vector<BodyDrop::Joint>(scene_.robot.joints.size())};
-  for (const auto& move : of_robot_) move(out.scene, *next++);  // what the floor scales is as its fit knew it
+  for (const auto& set : robot_setters_) set(out.scene, *next++);  // before the floor's terms, which scale it
   Scatter z;
-  for (double Scatter::*const name : of_scene_) z.*name = *next++;
+  for (double Scatter::*const term : scatter_terms_) z.*term = *next++;
   out.from_floor = move_drop(out.scene.drop, z);
   out.scene.detection_delay = std::max(0.0, scene_.detection_delay + z.delay);
   constexpr double kSteepest = 1.5;  // within a right angle [rad]
   out.scene.slope = std::clamp(scene_.slope + z.slope, -kSteepest, kSteepest);
   for (ContactPoint& c : out.scene.robot.contacts) scale(c, z);
-  for (const std::string& name : of_floor_) {
-    const double by_it = *next++;
-    for (double* const x : floor_constants(out.scene, name)) *x = name == kPitch ? *x + by_it : *x * std::exp(by_it);
+  for (const std::string& name : floor_names_) {
+    const double delta = *next++;
+    for (double* const x : floor_constants(out.scene, name)) *x = name == kPitch ? *x + delta : *x * std::exp(delta);
   }
   for (ContactPoint& c : out.scene.robot.contacts) c.law.exponent = std::max(1.0, c.law.exponent);
-  const auto of = [&](int i) -> BodyDrop::Joint& { return out.joints[std::size_t(i)]; };
+  const auto joint = [&](int i) -> BodyDrop::Joint& { return out.joints[std::size_t(i)]; };
   for (const int i : driven_)
-    if (phi_) of(i).phi = *next++;
+    if (phi_) joint(i).phi = *next++;
   for (const int i : driven_)
-    if (rate_) of(i).rate = *next++;
+    if (rate_) joint(i).rate = *next++;
   for (const auto& [i, constants] : fitted_) {
     std::array<double, kActuatorConstants> moves{};
     for (const int k : constants) moves[std::size_t(k)] = *next++;
@@ -152,7 +152,7 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
   const double duration = *next++;
   for (const int i : driven_) {
     const double a = *next++, b = *next++;
-    of(i).deviation = {a, b, duration};
+    joint(i).deviation = {a, b, duration};
   }
   return out;
 }
@@ -172,16 +172,16 @@ Scatter assumed_scatter(const Robot& robot) {
   return out;
 }
 
-Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene) {
-  return asked ? *asked : scene.scatter.value_or(assumed_scatter(scene.robot));
+Scatter scatter_for(const std::optional<Scatter>& requested, const BodyScene& scene) {
+  return requested ? *requested : scene.scatter.value_or(assumed_scatter(scene.robot));
 }
 
 std::vector<BodyDrop> execution_drops(const BodyScene& scene) {
   const std::size_t joints = scene.robot.joints.size();
-  const BodyDrop own{scene, std::vector<BodyDrop::Joint>(joints)};
-  std::vector<BodyDrop> out = {own};
+  const BodyDrop nominal{scene, std::vector<BodyDrop::Joint>(joints)};
+  std::vector<BodyDrop> out = {nominal};
   const auto add = [&](std::size_t from, std::size_t to, const Deviation& d) {
-    out.push_back(own);
+    out.push_back(nominal);
     for (std::size_t i = from; i < to; ++i) out.back().joints[i].deviation = d;
   };
   for (const double s : {-1.0, 1.0}) {

@@ -1,5 +1,5 @@
-// How a drop of a robot of links may come: the scene's scatter, each drive's constants by the covariance of their fit,
-// how exactly the motions are played. Ours.
+// Scattered drops of a robot of links: by the scene's scatter, the covariance of each drive's fitted constants, and the
+// execution tolerance.
 #pragma once
 
 #include <cstdint>
@@ -15,18 +15,18 @@
 
 namespace ukemi::landing {
 
-/// A drop as it may come, and how what is played then differs from what was planned.
+/// A scattered drop, and how the played motion differs from the planned one in it.
 struct BodyDrop {
-  /// Of a joint that is driven.
+  /// Of a driven joint.
   struct Joint {
-    double phi = 0, rate = 0;  ///< at release, beside the planned [rad], [rad/s]
-    Deviation deviation{};     ///< of its motion, within the scene's execution tolerance
+    double phi = 0, rate = 0;  ///< at release, minus the planned ones [rad], [rad/s]
+    Deviation deviation{};     ///< of its motion, in units of the execution tolerance
   };
-  BodyScene scene;            ///< its drop, floor, detection and drives
-  std::vector<Joint> joints;  ///< of Robot::joints
+  BodyScene scene;            ///< with this drop, floor, detection delay and drives
+  std::vector<Joint> joints;  ///< by index of Robot::joints
   bool from_floor = false;    ///< it would begin below the floor, and begins on it
 
-  /// What is planned, as this drop plays it.
+  /// The planned motion as it is played in this drop.
   BodyMotion played(const BodyMotion& planned) const;
 };
 
@@ -34,29 +34,28 @@ class BodyDropModel {
  public:
   struct Options {
     double inflate = 1;    ///< factor of the standard errors of the drives' and the robot's constants, >= 0
-    bool inexact = false;  ///< the motions are played anywhere in the execution box, uniformly
+    bool inexact = false;  ///< motions are drawn uniformly from the execution box
   };
-  /// Every term of a scatter counts, `phi` and `rate` for each driven joint on its own; those of the floor scale all
-  /// contacts alike; the scene's [uncertainty] scatters with them, and what a fit knew of the robot, which goes before
-  /// what an actuator's file knows of the same drive. Throws InputError for a scene or a scatter that is
-  /// not valid, for one of `forward_speed` or `pitch_rate` where the base has none, and for a covariance that is not
-  /// positive semidefinite.
+  /// Uses every term of the scatter, `phi` and `rate` independently for each driven joint; those of the floor scale all
+  /// contacts alike. The scene's [uncertainty] and the covariance of a fit of the robot are included; the latter
+  /// replaces the covariance of an actuator's file for the same drive. Throws InputError for an invalid scene or
+  /// scatter, a term that the base or the contacts do not have, and a covariance that is not positive semidefinite.
   BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options);
   BodyDropModel(const BodyScene& scene, const Scatter& scatter) : BodyDropModel(scene, scatter, Options()) {}
 
   const BodyScene& scene() const { return scene_; }
-  /// What a drop is drawn from.
+  /// The distribution of the drops.
   const Sampler& sampler() const { return sampler_; }
   bool scatters() const { return sampler_.dimension() > 0; }
-  /// The drop of a point inside the unit cube, sampler().dimension() numbers.
+  /// The drop of a point of the unit cube with sampler().dimension() numbers.
   BodyDrop drop(std::span<const double> u) const;
-  /// The drops of points, one after the other; where nothing scatters the scene's own, `count` times.
+  /// The drops of `count` points, stored one after the other; copies of the scene's drop where nothing scatters.
   std::vector<BodyDrop> drops(const std::vector<double>& points, long count) const;
-  /// Scrambled Sobol points: for searches, which do best with a power of two of them.
+  /// Of scrambled Sobol points: for searches, best with a power of two.
   std::vector<BodyDrop> even(long count, std::uint64_t seed, long first = 0) const {
     return drops(sampler_.even(count, seed, first), count);
   }
-  /// Independent ones: for what is said of a plan that was found.
+  /// Of independent points: for the report on a plan.
   std::vector<BodyDrop> independent(long count, std::uint64_t seed) const {
     return drops(sampler_.independent(count, seed), count);
   }
@@ -67,30 +66,30 @@ class BodyDropModel {
 
   BodyScene scene_;
   Sampler sampler_;
-  std::vector<int> driven_;  ///< of Robot::joints
-  /// What moves the robot's constants by the sampler's first numbers, as its fit names them.
-  std::vector<std::function<void(BodyScene&, double)>> of_robot_;
-  std::vector<double Scatter::*> of_scene_;  ///< what the numbers behind those of the robot are
-  std::vector<std::string> of_floor_;        ///< what the numbers behind those are, see floor_constants
+  std::vector<int> driven_;  ///< indices of Robot::joints
+  // What the numbers of the sampler change, in their order.
+  std::vector<std::function<void(BodyScene&, double)>> robot_setters_;  ///< constants of a fit of the robot
+  std::vector<double Scatter::*> scatter_terms_;                        ///< of the scene
+  std::vector<std::string> floor_names_;                                ///< see floor_constants
   bool phi_, rate_, inexact_;
-  std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints whose covariance is known, their constants
+  std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints with a covariance, indices of its constants
 };
 
-/// Scatter::assumed(), without what a base of this kind has not.
+/// Scatter::assumed() without the terms that this base does not have.
 Scatter assumed_scatter(const Robot& robot);
-/// How drops scatter: as asked for, else as the scene says, else assumed_scatter().
-Scatter scatter_for(const std::optional<Scatter>& asked, const BodyScene& scene);
+/// The requested scatter, else the scene's, else assumed_scatter().
+Scatter scatter_for(const std::optional<Scatter>& requested, const BodyScene& scene);
 
-/// The drops of the tolerant peak: the scene's own, those in which one number is missed by the execution tolerance, and
-/// the eight corners in which all joints miss alike. For one joint the fifteen of the paper's robot.
+/// The drops of the tolerant peak: the scene's own, those in which one number deviates by the execution tolerance, and
+/// the eight corners in which all joints deviate alike. For one joint the fifteen of the paper's robot.
 std::vector<BodyDrop> execution_drops(const BodyScene& scene);
 
-/// What one motion is worth over drops, see `worth`; infinite where a landing could not be followed or `over` cut it
-/// off.
+/// Values of one motion over drops, see `worth`; infinite where a landing could not be followed or was cut off by
+/// `over`.
 struct PeaksOver {
   std::vector<double> peaks;
-  long broken = 0;                  ///< drops in which a limit of the scene was broken
-  std::vector<long> exceeded = {};  ///< of each load, drops in which it passes its rating
+  long broken = 0;                  ///< number of drops in which a limit was broken
+  std::vector<long> exceeded = {};  ///< of each load, number of drops in which it exceeds its rating
 };
 PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, double accuracy, int threads,
                      const std::function<bool()>* over = nullptr);

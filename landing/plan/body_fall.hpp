@@ -1,17 +1,18 @@
-// What a robot of links measures in the air, as the scene that is planned for.
+// From a measured fall of a robot of links to the scene that is planned for.
 #pragma once
 
 #include <string>
 
 #include "landing/plan/body_planner.hpp"
+#include "landing/search/measured_range.hpp"
 
 namespace ukemi::landing {
 
-/// What is wrong with the first number of a drop, or of a fall of a robot of so many joints, that is out of its range
-/// or NaN; empty: nothing.
-std::string fault_of(const Drop& drop);
+/// The rule of the first number of a fall of a robot with `joints` that is out of its range or NaN; empty: none.
 std::string fault_of(const BodyFallState& state, std::size_t joints);
-/// The scene let go as it falls now, its references free to move from `from` on [s].
+/// Of a base that falls freely, downwards; 0 of a pinned one [m/s^2].
+double fall_acceleration(const Robot& robot);
+/// The scene released in the measured state, its references free to move after `from` [s].
 BodyScene falling(BodyScene scene, const BodyFallState& state, double from);
 
 }  // namespace ukemi::landing

@@ -18,10 +18,10 @@ Valuation::Valuation(const BodyGoal& goal, BodyMotion motion, double bound)
     : goal_(&goal), motion_(std::move(motion)), bound_(bound), value_(kNoMotion), peaks_(goal.counted, 0.0) {}
 
 bool Valuation::next(BodyBatchCase& c) {
-  if (over_) return false;
+  if (finished_) return false;
   const BodyDrop& drop = goal_->drops[drop_];
-  as_played_ = drop.played(motion_);
-  c = {&drop.scene, &as_played_};
+  played_motion_ = drop.played(motion_);
+  c = {&drop.scene, &played_motion_};
   if (goal_->worst() && drop_ < goal_->counted) c.abandon_above = bound_;
   return true;
 }
@@ -30,20 +30,20 @@ void Valuation::done(const BodyLanding& l) {
   const bool counts = drop_ < goal_->counted, last = drop_ + 1 == goal_->drops.size();
   if (drop_ == 0) first_contact_ = l.first_contact;
   ++played_, ++drop_;
-  if (no_landing(l.end) || (l.broken && ++broken_ > goal_->may_break())) return settle(kNoMotion);
+  if (no_landing(l.end) || (l.broken && ++broken_ > goal_->allowed_broken())) return finish(kNoMotion);
   if (counts) {
     peaks_[drop_ - 1] = worth(goal_->drops[drop_ - 1].scene, l);
-    const bool asks = bound_ < kNoMotion || drop_ == goal_->counted;
+    const bool compare = bound_ < kNoMotion || drop_ == goal_->counted;
     std::vector<double> copy;
-    if (asks) copy = peaks_;
-    if (const double v = asks ? goal_->measure.of(copy) : 0; v > bound_) return settle(v);
+    if (compare) copy = peaks_;
+    if (const double v = compare ? goal_->measure.of(copy) : 0; v > bound_) return finish(v);
   }
-  if (last) settle(goal_->measure.of(peaks_));
+  if (last) finish(goal_->measure.of(peaks_));
 }
 
 namespace {
 
-/// Motions in their order, to whichever lane of whichever thread is free; each is played to its end in its lane.
+/// Hands motions in their order to the next free lane of any thread; each stays in its lane to its end.
 class MotionQueue : public BodyBatchSource {
  public:
   MotionQueue(std::span<Valuation> motions, std::atomic<std::size_t>& next, const std::function<bool()>* over)
@@ -65,53 +65,53 @@ class MotionQueue : public BodyBatchSource {
   std::span<Valuation> motions_;
   std::atomic<std::size_t>& next_;
   const std::function<bool()>* over_;
-  std::array<Valuation*, kMostLanes> in_lane_{};
+  std::array<Valuation*, kMaxLanes> in_lane_{};
 };
 
 }  // namespace
 
 void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int threads,
           const std::function<bool()>* over) {
-  constexpr std::size_t kPart = 2;  // a thread is not worth its start for fewer
+  constexpr std::size_t kPart = 2;  // motions a thread, at least
   const int parts = std::min(thread_count(threads), int((motions.size() + kPart - 1) / kPart));
   std::atomic<std::size_t> next{0};
   parallel_for(parts, parts, [&](int) {
     MotionQueue queue(motions, next, over);
     run_body_batch(queue, robot, {.accuracy = accuracy},
-                   quickest_instruction_set(2 * motions.size() / std::size_t(parts)));
+                   fastest_instruction_set(2 * motions.size() / std::size_t(parts)));
   });
 }
 
 namespace {
 
-BodyScene strict(BodyScene scene) {
+BodyScene end_at_limit(BodyScene scene) {
   scene.ends_broken = true;
   return scene;
 }
 }  // namespace
 
-BodyGoal own_drop(const BodyScene& scene) {
-  return {{Measure::Kind::kWorst}, {{strict(scene), std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
+BodyGoal nominal_drop(const BodyScene& scene) {
+  return {{Measure::Kind::kWorst}, {{end_at_limit(scene), std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};
 }
-BodyGoal execution_box(const BodyScene& scene, bool counts) {
-  BodyGoal out{{Measure::Kind::kWorst}, execution_drops(strict(scene))};
-  if (!counts) out.counted = 1;
+BodyGoal execution_box(const BodyScene& scene, bool measured) {
+  BodyGoal out{{Measure::Kind::kWorst}, execution_drops(end_at_limit(scene))};
+  if (!measured) out.counted = 1;
   return out;
 }
 
 BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging) {
-  const BodyGoal own = own_drop(scene);
+  const BodyGoal nominal = nominal_drop(scene);
   const bool tolerant = options.goal == Goal::kTolerant;
   if (!options.measure && tolerant) return {execution_box(scene, true), execution_box(scene, true)};
-  if (!options.measure) return {own, scene.limited() ? execution_box(scene, false) : own};
+  if (!options.measure) return {nominal, scene.limited() ? execution_box(scene, false) : nominal};
   const BodyDropModel model(scene, scatter_for(options.scatter, scene),
                             {.inflate = options.inflate, .inexact = tolerant});
-  if (!model.scatters()) return {own, own};
+  if (!model.scatters()) return {nominal, nominal};
   const double share = options.share.value_or(options.measure->share());
   BodyGoals out{
       {.measure = *options.measure, .drops = model.even(searched, options.seed), .share = share},
-      {.measure = *options.measure, .drops = model.even(judging, judging_seed(options.seed)), .share = share}};
-  // A standard error more than is promised, for the best of many was chosen by them.
+      {.measure = *options.measure, .drops = model.even(judging, selection_seed(options.seed)), .share = share}};
+  // One standard error more than the promised share, as the best of many is chosen by these drops.
   if (options.share) out.judge.share = std::min(1.0, share + std::sqrt(share * (1 - share) / double(judging)));
   return out;
 }
@@ -121,7 +121,7 @@ void check_share(const BodyScene& scene, const std::optional<double>& share, con
 }
 
 long judging_drops(const BodyPlanOptions& options) {
-  constexpr double kBroken = 10, kMost = 4096;  // drops that may break a limit; that are played
+  constexpr double kBroken = 10, kMost = 4096;  // drops that may break a limit; maximum of drops
   if (!options.share) return options.judging;
   const double needed = kBroken / std::max(1 - *options.share, kBroken / kMost);
   return std::max(options.judging, long(std::bit_ceil(std::uint64_t(std::ceil(needed - 1e-6)))));
@@ -132,27 +132,27 @@ Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOpt
   for (BodyDrop& d : drops) d.scene.ends_broken = false;
   PeaksOver over = peaks_over(drops, motion, options.measure ? kSearchAccuracy : options.accuracy, options.threads);
   const double v = judge.measure.of(std::span(over.peaks).first(judge.counted));
-  return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge.may_break()};
+  return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge.allowed_broken()};
 }
 
 void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,
                          int threads, const std::function<bool(const Coordinates&)>& play) {
   constexpr double kConverged = 1e-7;
-  const int each = goal.single() ? 6 : 2, n = space.dimension();
+  const int per_drop = goal.single() ? 6 : 2, n = space.dimension();
   const std::vector<BodyParameter> parameters = space.parameters();
-  const auto peaks = [&](const double* x, double* a, double* slopes) {
+  const auto peaks = [&](const double* x, double* a, double* gradient) {
     const Coordinates u = Eigen::Map<const Eigen::VectorXd>(x, n);
     if (!play(u)) return false;
     const BodyMotion motion = space.motion(u);
-    // Padded to a fixed number: where there are fewer, a constraint that is always kept.
-    std::fill_n(a, std::size_t(each) * goal.counted, 0.0);
-    std::fill_n(slopes, std::size_t(each * n) * goal.counted, 0.0);
+    // Padded to a fixed number of constraints; those beyond the maxima found, 0 <= s, always hold.
+    std::fill_n(a, std::size_t(per_drop) * goal.counted, 0.0);
+    std::fill_n(gradient, std::size_t(per_drop * n) * goal.counted, 0.0);
     parallel_for(int(goal.counted), threads, [&](int drop_index) {
       const auto k = std::size_t(drop_index);
       const BodyDrop& drop = goal.drops[k];
       const BodyGradients g =
-          gradients(drop.scene, drop.played(motion), parameters, {.accuracy = kSearchAccuracy}, each);
-      std::vector<std::pair<double, const BodyPeakGradient*>> rows;  // with their ratings, the nearest to it first
+          gradients(drop.scene, drop.played(motion), parameters, {.accuracy = kSearchAccuracy}, per_drop);
+      std::vector<std::pair<double, const BodyPeakGradient*>> rows;  // with their ratings, sorted by value / rating
       if (!rated(drop.scene))
         for (const BodyPeakGradient& p : g.peaks) rows.push_back({1, &p});
       for (std::size_t i = 0; i < g.loads.size(); ++i)
@@ -162,19 +162,19 @@ void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coo
       std::stable_sort(rows.begin(), rows.end(), [](const auto& one, const auto& other) {
         return one.second->value / one.first > other.second->value / other.first;
       });
-      for (std::size_t i = 0; i < std::min(rows.size(), std::size_t(each)); ++i) {
+      for (std::size_t i = 0; i < std::min(rows.size(), std::size_t(per_drop)); ++i) {
         const auto [rating, peak] = rows[i];
-        const std::size_t row = k * std::size_t(each) + i;
+        const std::size_t row = k * std::size_t(per_drop) + i;
         a[row] = peak->value / rating;
         for (int j = 0; j < n; ++j) {
           const Variable& v = space.variables()[std::size_t(j)];
-          slopes[row * std::size_t(n) + std::size_t(j)] = peak->d[j] * (v.upper - v.lower) / rating;
+          gradient[row * std::size_t(n) + std::size_t(j)] = peak->d[j] * (v.upper - v.lower) / rating;
         }
       }
     });
     return true;
   };
-  minimize_epigraph({each * int(goal.counted),
+  minimize_epigraph({per_drop * int(goal.counted),
                      peaks,
                      std::vector<double>(std::size_t(n), 0),
                      std::vector<double>(std::size_t(n), 1),

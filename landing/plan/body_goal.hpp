@@ -1,4 +1,4 @@
-// What a motion of a robot of links is worth: a measure of its peaks over drops, within the limits of the scene. Ours.
+// The objective of a robot of links: a measure of the peaks over drops, within the limits of the scene.
 #pragma once
 
 #include <cmath>
@@ -13,78 +13,78 @@
 
 namespace ukemi::landing {
 
-/// Relative accuracy of the landings that searches play.
+/// Relative accuracy of the landings of a search.
 inline constexpr double kSearchAccuracy = 1e-6;
 
 struct BodyGoal {
   Measure measure;
   std::vector<BodyDrop> drops;
-  std::size_t counted = drops.size();  ///< of the drops, the first; the others only keep the limits
-  double share = 1;                    ///< of all drops, in which the limits are kept
+  std::size_t counted = drops.size();  ///< the first drops, whose peaks are measured; the others only check the limits
+  double share = 1;                    ///< of all drops, in which the limits must be kept, 0..1
 
   bool single() const { return drops.size() == 1; }
-  /// The largest of the peaks counts.
+  /// Whether the measure is the largest peak.
   bool worst() const { return single() || measure.kind == Measure::Kind::kWorst; }
-  long may_break() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
+  long allowed_broken() const { return long(std::floor((1 - share) * double(drops.size()) + 1e-9)); }
 };
 
-/// What a motion is worth, landing by landing: kNoMotion where one cannot be followed or the limits are not kept. A
-/// value above `bound` is a bound of the value: what is still to come can only add.
+/// Evaluates a motion landing by landing: kNoMotion where one cannot be followed or the limits are not kept. A value
+/// above `bound` is only a lower bound, as further landings can only increase it.
 class Valuation {
  public:
   Valuation(const BodyGoal& goal, BodyMotion motion, double bound);
-  /// The next landing to be played, until the value stands.
+  /// Sets the next landing to be played; false once the value is final.
   bool next(BodyBatchCase& c);
   void done(const BodyLanding& landing);
   double value() const { return value_; }
   long played() const { return played_; }
-  /// Which contact touches first, in the first drop; -1: none, or it was not played.
+  /// The contact that touches first in the first drop; -1: none, or it was not played.
   int first_contact() const { return first_contact_; }
 
  private:
-  void settle(double value) { value_ = value, over_ = true; }
+  void finish(double value) { value_ = value, finished_ = true; }
 
   const BodyGoal* goal_;
-  BodyMotion motion_, as_played_;
+  BodyMotion motion_, played_motion_;
   double bound_, value_;
   std::vector<double> peaks_;
   std::size_t drop_ = 0;
   long played_ = 0, broken_ = 0;
   int first_contact_ = -1;
-  bool over_ = false;
+  bool finished_ = false;
 };
-/// Plays them, side by side in lanes and threads (0: all cores); the results do not depend on how many there are. What
-/// `over` cuts off comes out with kNoMotion.
+/// Plays them in parallel lanes and threads (0: all cores), which have no influence on the results. Those that `over`
+/// cuts off get kNoMotion.
 void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int threads,
           const std::function<bool()>* over);
 
-/// The scene's own drop. A run of a search by one drop ends where it first breaks a limit.
-BodyGoal own_drop(const BodyScene& scene);
-/// The execution box: the goal (`counts`), or what keeps the limits.
-BodyGoal execution_box(const BodyScene& scene, bool counts);
+/// The scene's own drop; a landing ends where it first breaks a limit.
+BodyGoal nominal_drop(const BodyScene& scene);
+/// The execution box: all its peaks are measured, or (false) all but the exact motion's only check the limits.
+BodyGoal execution_box(const BodyScene& scene, bool measured);
 
-/// Throws InputError where a share of drops is to keep limits, and the scene has none; `option`: as it is asked for.
+/// Throws InputError for a share where the scene has no limits; `option`: its name in the message.
 void check_share(const BodyScene& scene, const std::optional<double>& share, const std::string& option = "share");
 
-/// What a plan is searched by, and what its best few are judged by.
+/// The goal of the search, and the one by which its best few are judged.
 struct BodyGoals {
   BodyGoal search, judge;
 };
-/// Those of a scene; where its drops scatter under a measure, so many to search and to judge on.
+/// Of a scene; where drops scatter under a measure, `searched` and `judging` of them.
 BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging);
-/// Drops that judge, without a deadline: so many that a share that is asked for can be told from a smaller one.
+/// Number of judging drops without a deadline: enough to distinguish a requested share from a smaller one.
 long judging_drops(const BodyPlanOptions& options);
 
-/// What a motion is worth by the drops that judge, each played to its end.
+/// The value of a motion over judging drops, each played to its end.
 struct Judged {
   double value;       ///< kNoMotion where one of them cannot be followed
-  bool keeps_limits;  ///< in as many of them as are asked for
+  bool keeps_limits;  ///< in the required share of them
 };
 Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options);
 
-/// Follows the exact gradients of a goal in which the largest peak counts down from a place: the paper's SQP on
-/// min s subject to a_k(u) <= s, a_k the largest local maxima of the goal's landings. `play` plays each point that is
-/// reached, as the search does, and says whether to go on.
+/// Descends from a point by exact gradients, for a goal whose measure is the largest peak: the paper's SQP on min s
+/// subject to a_k(u) <= s, a_k the largest local maxima of the goal's landings. `play` evaluates each point reached, as
+/// the search does; false stops.
 void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,
                          int threads, const std::function<bool(const Coordinates&)>& play);
 

@@ -29,7 +29,7 @@ std::optional<BodyLeastBreaking> least_breaking(const BodyScene& scene, const Bo
       if (const Load& x = rated.loads[i]; !x.limit && (!out || loads[i].value / x.rating > out->excess()))
         out = {best.motion, x, loads[i].value};
   }
-  if (out && out->excess() <= 1) out.reset();  // what is broken is another limit
+  if (out && out->excess() <= 1) out.reset();  // only a limit that must be kept was broken
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Where no motion of a robot of links keeps its limits: the one that breaks them least.
+// The motion of a robot of links that exceeds the limits least, where none keeps them.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,14 @@ namespace ukemi::landing {
 
 struct BodyLeastBreaking {
   BodyMotion motion;
-  Load limit;                                              ///< that it breaks most
-  double demand;                                           ///< what the limit has to bear, in its unit
+  Load limit;                                              ///< that it exceeds most
+  double demand;                                           ///< largest value of the load, in its unit
   double excess() const { return demand / limit.rating; }  ///< [1]
 };
 
-/// A small search makes the largest value / rating over the limits small in the execution box. Those with a rating of
-/// 0, and rates of references, stay limits: absent where they cannot be kept, or where it is one of them that no motion
-/// keeps. Of the options accuracy, seed, threads and monitor count.
+/// A small search minimises the largest value / rating over the limits in the execution box. Limits with a rating of 0
+/// and rates of references must be kept: absent where no motion does, or where the others are kept too. Uses accuracy,
+/// seed, threads and monitor of the options.
 [[nodiscard]] std::optional<BodyLeastBreaking> least_breaking(const BodyScene& scene, const BodyPlanOptions& options);
 
 }  // namespace ukemi::landing

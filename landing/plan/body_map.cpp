@@ -18,16 +18,16 @@ namespace {
 
 const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
 
-/// What a motion is worth; kNoMotion where it could not be followed, broke a limit, or was stopped.
+/// The value of a motion; kNoMotion where it could not be followed, broke a limit, or was stopped.
 double worth_of(const BodyScene& scene, const BodyMotion& motion, double above, const Monitor& monitor) {
   const BodyLanding l =
       peak_acceleration(scene, motion, {.accuracy = kSearchAccuracy, .abandon_above = above, .over = over_of(monitor)});
   return no_landing(l.end) || l.end == End::kStopped ? kNoMotion : worth(scene, l);
 }
 
-/// Covariance adaptation from a cell down into its basin; judged at a tight accuracy, as its start is.
-Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordinates& from, const MapOptions& options,
-                   std::uint64_t n) {
+/// Covariance matrix adaptation from a cell; the better of start and end at a tight accuracy.
+Candidate descend_from(const BodyScene& scene, const BodySpace& space, const Coordinates& from,
+                       const MapOptions& options, std::uint64_t n) {
   constexpr int kPoints = 14;
   constexpr long kMotions = 1500;
   constexpr double kWidth = 0.05, kConverged = 1e-4, kBound = 1.3;
@@ -38,15 +38,15 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
   distribution.start(from, kWidth, kPoints);
   std::vector<Candidate> points(kPoints);
   double bound = kNoMotion;
-  for (long played = 0; played < kMotions && distribution.widest() > kConverged; played += kPoints) {
+  for (long played = 0; played < kMotions && distribution.largest_deviation() > kConverged; played += kPoints) {
     if (options.monitor.stopped()) return start;
     distribution.sample(random, points);
     for (Candidate& p : points) p.value = worth_of(scene, space.motion(p.u), bound, options.monitor);
     std::sort(points.begin(), points.end());
     best = std::min(best, points[0]);
-    const double middle = points[kPoints / 2].value;
-    bound = middle < kNoMotion ? kBound * middle : kNoMotion;  // what is worse is not learnt from
-    distribution.learn(points);
+    const double median = points[kPoints / 2].value;
+    bound = median < kNoMotion ? kBound * median : kNoMotion;  // worse points have no weight in the update
+    distribution.update(points);
   }
   Candidate out;
   for (Candidate p : {start, best}) {
@@ -60,7 +60,7 @@ Candidate close_in(const BodyScene& scene, const BodySpace& space, const Coordin
 }  // namespace
 
 std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& axes, const std::string& option) {
-  constexpr int kUsual = 64, kOfThree = 24;
+  constexpr int kDefault = 64, kOfThree = 24;
   std::vector<std::string> names;
   for (const Variable& v : space.variables()) names.push_back(v.name);
   if (axes.empty() || axes.size() > 3)
@@ -68,11 +68,11 @@ std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& a
                                  axes.size(), fmt::join(names, ", ")));
   std::vector<int> out(names.size(), 1);
   for (const GridAxis& axis : axes) {
-    const auto at = std::find(names.begin(), names.end(), axis.variable);
-    if (at == names.end()) throw InputError(option + ": " + one_of(axis.variable, names));
-    int& points = out[std::size_t(at - names.begin())];
+    const auto found = std::find(names.begin(), names.end(), axis.variable);
+    if (found == names.end()) throw InputError(option + ": " + one_of(axis.variable, names));
+    int& points = out[std::size_t(found - names.begin())];
     if (points > 1) throw InputError(option + ": " + quoted(axis.variable) + ": the variable is given twice");
-    const double n = axis.points.value_or(axes.size() < 3 ? kUsual : kOfThree);
+    const double n = axis.points.value_or(axes.size() < 3 ? kDefault : kOfThree);
     if (!(n >= 2 && n <= 4096 && n == std::floor(n)))
       throw InputError(fmt::format("{}: {}: {}: a whole number of points from 2 to 4096 is needed", option,
                                    quoted(axis.variable), n));
@@ -83,7 +83,7 @@ std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& a
 
 Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where) {
   const Coordinates unit = space.unit(motion);
-  BodyMotion given = motion, kept = space.motion(unit);
+  BodyMotion given = motion, nearest = space.motion(unit);
   for (std::size_t i = 0; i < given.size(); ++i) {
     const Joint& joint = scene.robot.joints[i];
     if (!joint.driven()) continue;
@@ -91,7 +91,7 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
       throw InputError(where,
                        fmt::format("joint '{}' moves in the air: motions without such a move are mapped", joint.name));
     double a = 0, b = 0;
-    const auto x = motion_numbers(given[i], a), y = motion_numbers(kept[i], b);
+    const auto x = motion_numbers(given[i], a), y = motion_numbers(nearest[i], b);
     for (std::size_t k = 0; k < kMotionNames.size(); ++k)
       if (!(std::abs(*x[k] - *y[k]) <= 1e-9))
         throw InputError(where, fmt::format("{}_{} = {:.6g}: {:.6g} is the nearest that is mapped", kMotionNames[k],
@@ -126,15 +126,15 @@ BodySurvey survey(const BodyScene& given, const SurveyOptions& options) {
   std::vector<std::size_t> minima = local_minima(out.map);
   minima.resize(std::min(minima.size(), std::size_t(options.map.polished)));
   for (const std::size_t i : minima) out.minima.push_back({motion(out.map, out.map.place(i)), out.map.grid[i].peak});
-  MapOptions near = options.map;
-  near.monitor = options.basins;
+  MapOptions basin_options = options.map;
+  basin_options.monitor = options.basins;
   const auto descend = [&](const PeakMap::Place& cell, std::uint64_t n) {
-    return close_in(scene, space, space.unit(out.map.values(cell)), near, n);
+    return descend_from(scene, space, space.unit(out.map.values(cell)), basin_options, n);
   };
   const std::vector<BodyDrop> box = execution_drops(scene);
-  for (const Candidate& p : descents(out.map, near, descend)) {
+  for (const Candidate& p : distinct_basins(out.map, basin_options, descend)) {
     const BodyMotion m = space.motion(p.u);
-    const std::vector<double> peaks = peaks_over(box, m, kSearchAccuracy, near.threads).peaks;
+    const std::vector<double> peaks = peaks_over(box, m, kSearchAccuracy, basin_options.threads).peaks;
     out.basins.push_back({m, p.value, *std::max_element(peaks.begin(), peaks.end())});
   }
   return out;

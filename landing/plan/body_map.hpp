@@ -1,4 +1,4 @@
-// The motions of a robot of links on a grid over some of their variables, and the basins that it shows. Ours.
+// Grid of the peaks of a robot of links over some variables of its motions, and the basins found from it.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace ukemi::landing {
 
-/// Where a search from a local minimum of the grid ended, over all variables, those that stood on the grid included.
+/// End of a local search from a local minimum of the grid, over all variables, those fixed on the grid included.
 struct BodyBasin {
   BodyMotion motion;
-  double peak;      ///< at MapOptions::tight [m/s^2], with loads the worth
+  double peak;      ///< at MapOptions::tight [m/s^2], with loads their `worth`
   double tolerant;  ///< the worst of execution_drops; infinite where one could not be followed or breaks a limit
 };
 
@@ -27,25 +27,25 @@ struct GridMinimum {
 struct BodySurvey : MappedPeaks {
   BodyScene scene;
   std::vector<GridMinimum> minima;  ///< the best MapOptions::polished, the best first
-  std::vector<BodyBasin> basins;    ///< that lie apart, the best first
+  std::vector<BodyBasin> basins;    ///< distinct ones, the best first
 };
 
-/// A variable that goes over the grid, and how many points it has there.
+/// A variable of the grid and its number of points.
 struct GridAxis {
   std::string variable;          ///< of BodySpace
   std::optional<double> points;  ///< absent: 64, of three variables 24
 };
-/// MapOptions::cells of one to three variables; the others stand. Throws InputError "OPTION: ...".
+/// MapOptions::cells of one to three variables; the others are fixed. Throws InputError "OPTION: ...".
 std::vector<int> cells_of(const BodySpace& space, const std::vector<GridAxis>& axes, const std::string& option);
 
 /// Values of a motion's variables, for MapOptions::slice. Throws InputError at `where` for a number of the motion that
-/// is not within what is searched.
+/// is outside of the space.
 Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyMotion& motion, const Location& where);
-/// The held posture, its duration in the middle of its range.
+/// Of the held posture, its duration in the middle of its range.
 Coordinates held_slice(const BodySpace& space, const BodyScene& scene);
 
 /// Landings that break a limit have no value. `options.map.cells` and `slice` are of BodySpace's variables; contacts of
-/// the cells are not told. Same inputs and seed, same results. Throws InputError as BodySpace and `simulate`. Tests:
+/// the cells are not set. Same inputs and seed, same results. Throws InputError as BodySpace and `simulate`. Tests:
 /// test/legs/map.cpp.
 [[nodiscard]] BodySurvey survey(const BodyScene& scene, const SurveyOptions& options);
 

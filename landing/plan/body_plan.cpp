@@ -45,66 +45,65 @@ void BodyPlanOptions::validate() const {
 
 namespace {
 
-/// The best few of every contact that may touch first, apart from one another. A landing on the foot and one on the
-/// knee are far apart, and what lies between them is worse than both: each is searched for itself, or the wider one
-/// hides the other.
-class ByFirstContact {
+/// An archive for every contact that may touch first. Landings on the foot and on the knee are separated by worse ones,
+/// and the wider set of basins would displace the other from a common archive.
+class ContactArchives {
  public:
-  ByFirstContact(std::size_t most, double apart) : most_(most), apart_(apart) {}
-  void clear() { of_contact_.clear(); }
-  bool empty() const { return of_contact_.empty(); }
+  ContactArchives(std::size_t capacity, double separation) : capacity_(capacity), separation_(separation) {}
+  void clear() { archives_.clear(); }
+  bool empty() const { return archives_.empty(); }
   void add(const Candidate& p) {
-    std::size_t at = place(p);
-    if (at == of_contact_.size()) of_contact_.emplace_back(most_, apart_);
-    of_contact_[at].add(p);
-    for (; at > 0 && of_contact_[at].lowest() < of_contact_[at - 1].lowest(); --at)
-      std::swap(of_contact_[at], of_contact_[at - 1]);
+    std::size_t at = find(p);
+    if (at == archives_.size()) archives_.emplace_back(capacity_, separation_);
+    archives_[at].add(p);
+    for (; at > 0 && archives_[at].lowest() < archives_[at - 1].lowest(); --at)
+      std::swap(archives_[at], archives_[at - 1]);
   }
-  /// The lowest value of the contact that touches first as in p; kNoMotion where there is none.
+  /// The lowest value with the same first contact as p; kNoMotion where there is none.
   double lowest(const Candidate& p) const {
-    const std::size_t at = place(p);
-    return at < of_contact_.size() ? of_contact_[at].lowest() : kNoMotion;
+    const std::size_t at = find(p);
+    return at < archives_.size() ? archives_[at].lowest() : kNoMotion;
   }
-  /// One of the best of a contact that has good ones: of the best contact as often as of all others.
-  const Candidate& draw(Random& r, std::size_t most = Archive::kMost) const {
-    const int n = int(good());
-    const Archive& of = of_contact_[n == 1 || r.uniform() < 0.5 ? 0 : std::size_t(random_index(r, n))];
-    return of[low_index(r, std::min(most, of.size()))];
+  /// A random one of the first `limit` of a good archive: with probability 1/2 of the best archive.
+  const Candidate& draw(Random& r, std::size_t limit = Archive::kMost) const {
+    const int n = int(good_count());
+    const Archive& archive = archives_[n == 1 || r.uniform() < 0.5 ? 0 : std::size_t(random_index(r, n))];
+    return archive[biased_index(r, std::min(limit, archive.size()))];
   }
-  /// What is no better is neither taken of a contact that has good ones, nor a good one of another.
+  /// A candidate that is no better enters no good archive and makes no other archive good.
   double bound() const {
     double out = 0;
-    for (std::size_t i = 0; i < good(); ++i) out = std::max(out, of_contact_[i].bound());
-    return empty() ? kNoMotion : std::min(out, kGood * of_contact_[0].lowest());
+    for (std::size_t i = 0; i < good_count(); ++i) out = std::max(out, archives_[i].bound());
+    return empty() ? kNoMotion : std::min(out, kGoodRatio * archives_[0].lowest());
   }
-  /// So many of each contact that has good ones, the best of all first.
-  std::vector<Candidate> best(std::size_t most = Archive::kMost) const {
+  /// The first `limit` of each good archive, sorted.
+  std::vector<Candidate> best(std::size_t limit = Archive::kMost) const {
     std::vector<Candidate> out;
-    for (std::size_t i = 0; i < good(); ++i)
-      out.insert(out.end(), of_contact_[i].begin(), of_contact_[i].begin() + std::min(most, of_contact_[i].size()));
+    for (std::size_t i = 0; i < good_count(); ++i)
+      out.insert(out.end(), archives_[i].begin(), archives_[i].begin() + std::min(limit, archives_[i].size()));
     std::sort(out.begin(), out.end());
     return out;
   }
 
  private:
-  static constexpr double kGood = 2;  ///< times the best value
-  /// Of the contact that touches first as in p; the size where it is not known.
-  std::size_t place(const Candidate& p) const {
+  static constexpr double kGoodRatio = 2;  ///< maximum of a good archive's lowest value relative to the best
+  /// Index of the archive with the same first contact as p; the size where there is none.
+  std::size_t find(const Candidate& p) const {
     const auto same = [&](const Archive& a) { return a[0].first_contact == p.first_contact; };
-    return std::size_t(std::find_if(of_contact_.begin(), of_contact_.end(), same) - of_contact_.begin());
+    return std::size_t(std::find_if(archives_.begin(), archives_.end(), same) - archives_.begin());
   }
-  /// The first so many contacts have good ones.
-  std::size_t good() const {
-    const auto bad = [&](const Archive& a) { return a.lowest() > kGood * of_contact_[0].lowest(); };
-    return std::size_t(std::find_if(of_contact_.begin(), of_contact_.end(), bad) - of_contact_.begin());
+  /// Number of good archives, which come first.
+  std::size_t good_count() const {
+    const auto bad = [&](const Archive& a) { return a.lowest() > kGoodRatio * archives_[0].lowest(); };
+    return std::size_t(std::find_if(archives_.begin(), archives_.end(), bad) - archives_.begin());
   }
 
-  std::size_t most_;
-  double apart_;
-  std::vector<Archive> of_contact_;  ///< the one with the best first
+  std::size_t capacity_;
+  double separation_;
+  std::vector<Archive> archives_;  ///< sorted by their lowest values
 };
 
-/// The search's state: what was spent, the best few so far.
+/// A search with its budget and its best so far.
 class BodySearch {
  public:
   BodySearch(const BodyScene& scene, const BodyPlanOptions& options, BodyPlan& out)
@@ -117,44 +116,45 @@ class BodySearch {
             options.evaluations.value_or(options.deadline ? 1'000'000'000 : options.default_evaluations(scene))),
         random_(options.seed) {}
 
-  /// Searches by one goal until its part of the budget is spent.
+  /// Searches by the current goal until its share of the budget is spent.
   void descend() {
     if (basins_.empty()) {
-      scout(options_.deadline ? kFirst : std::clamp(evaluations_ / 8 / cost(), kFirst, kMostScouts), 0.6);
+      scout(options_.deadline ? kMinScouts : std::clamp(evaluations_ / 8 / cost(), kMinScouts, kMaxScouts), 0.6);
       for (const BodyMotion& m : options_.starts) {
         Candidate start{space_.unit(m)};
         evaluate(std::span(&start, 1));
-        if (start.value < kNoMotion && !over()) close_in(start, kNarrow, kRough);
+        if (start.value < kNoMotion && !over()) run_cma(start, kNarrow, kRough);
       }
       for (const Candidate& start : starts_.best(kRuns))
-        if (!over()) close_in(start, kNarrow, kRough);
+        if (!over()) run_cma(start, kNarrow, kRough);
     }
-    const double known = goal_ == &final_ && !final_.single() ? 0.7 : 0.35;  // how often beside what is known
+    const double local = goal_ == &search_goal_ && !search_goal_.single() ? 0.7 : 0.35;  // probability near a basin
     while (!over()) {
-      if (goal_ == &final_ && share() > kLate && !best_.empty())
+      if (goal_ == &search_goal_ && share() > kLate && !best_.empty())
         refine(Candidate(best_[0]));
-      else if (!basins_.empty() && random_.uniform() < known)
-        start_beside_a_basin();
+      else if (!basins_.empty() && random_.uniform() < local)
+        restart_near_basin();
       else
-        start_anywhere();
+        restart_globally();
     }
   }
 
   void run() {
     out_.variables = space_.variables();
-    land_held();
+    simulate_held();
     set_goals();
-    judge_held();
-    if (options_.deadline) share_out();
-    if (!scene_.release) hold_others();
-    if (!options_.starts.empty()) offer(Candidate{space_.unit(options_.starts[0])});  // no answer is worse
-    BodyGoal first_look = own_drop(scene_);
-    if (options_.measure)  // the mean of a few: the deepest place of one drop is often a cliff
-      first_look = {{}, {final_.drops.begin(), final_.drops.begin() + long(std::min(kFewDrops, final_.drops.size()))}};
-    if (final_.counted > 1) {
-      goal_ = &first_look, best_.clear(), lowest_.clear();
+    evaluate_held();
+    if (options_.deadline) bound_reserve();
+    if (!scene_.release) search_held();
+    if (!options_.starts.empty()) accept_if_better(Candidate{space_.unit(options_.starts[0])});
+    const std::vector<BodyDrop>& drops = search_goal_.drops;
+    BodyGoal first_stage = nominal_drop(scene_);
+    if (options_.measure)  // the mean of a few: the minimum of a single drop is often at a cliff
+      first_stage = {{}, {drops.begin(), drops.begin() + long(std::min(kFirstStageDrops, drops.size()))}};
+    if (search_goal_.counted > 1) {
+      goal_ = &first_stage, best_.clear(), lowest_by_contact_.clear();
       descend();
-      judge_anew();
+      reevaluate_first_stage();
     }
     descend();
     judge();
@@ -162,142 +162,143 @@ class BodySearch {
   }
 
  private:
-  static constexpr std::size_t kContenders = 16;  // of the best that lie apart, so many are remembered
-  static constexpr double kApart = 0.03;          // in parts of the box
-  static constexpr double kNarrow = 0.05;         // a distribution's first width beside a good place
-  static constexpr double kReserve = 4;           // accurate landings that a deadline keeps back
-  static constexpr double kMostReserved = 0.4;    // of the deadline, for judging
-  static constexpr double kSlower = 2;            // at most, than the held posture, is a motion judged
-  static constexpr double kFirstLook = 0.35;      // of the budget: on the scene's own drop
-  static constexpr std::size_t kFewDrops = 8;     // of the first look under scatter
-  static constexpr std::size_t kJudged = 5;       // of the best, where many drops judge
-  // Of each contact that touches first: places that scouts keep; that are searched from at first; where runs end.
+  static constexpr std::size_t kContenders = 16;      // capacity of the archive of the best
+  static constexpr double kApart = 0.03;              // their minimum distance, as a fraction of the box
+  static constexpr double kNarrow = 0.05;             // initial standard deviation around a good start
+  static constexpr double kReserve = 4;               // accurate landings for which a deadline reserves time
+  static constexpr double kMaxReserve = 0.4;          // share of the deadline, for judging
+  static constexpr double kSlower = 2;                // judging time relative to the held posture's, at most
+  static constexpr double kFirstStageShare = 0.35;    // of the budget, for the first stage
+  static constexpr std::size_t kFirstStageDrops = 8;  // of the first stage under scatter
+  static constexpr std::size_t kFinalists = 5;        // of the best, that are judged on many drops
+  // For each first contact: starts from scouts; first runs; basins.
   static constexpr std::size_t kStarts = 12, kRuns = 3, kBasins = 8;
   static constexpr double kStartsApart = 0.1, kBasinsApart = 0.2;
-  static constexpr double kPlain = 0.5;                                // of the scouts, without shape terms and gains
-  static constexpr long kFirst = 96, kMostScouts = 1'500, kRace = 64;  // motions of the scouts
+  static constexpr double kNeutral = 0.5;  // share of scouts without shape terms and gains
+  static constexpr long kMinScouts = 96, kMaxScouts = 1'500, kRestartScouts = 64;  // motions
 
-  /// When a run ends: its width, in parts of the box; by which part of its value it must better itself meanwhile.
-  struct Enough {
-    double width, better;
+  /// When a run ends: standard deviation, as a fraction of the box; relative improvement that is not a stall.
+  struct StopRule {
+    double width, min_gain;
   };
-  static constexpr Enough kRough{2e-3, 3e-3}, kFine{1e-5, 1e-5};
-  static constexpr double kLate = 0.85, kRefined = 0.01;  // from this share on the best place is refined, so narrow
+  static constexpr StopRule kRough{2e-3, 3e-3}, kFine{1e-5, 1e-5};
+  static constexpr double kLate = 0.85, kRefined = 0.01;  // share of the budget, then the best is refined; its sigma
 
   double share() const {
     const double motions = double(spent_) / double(evaluations_);
     if (!options_.deadline) return motions;
-    return std::max(motions, (watch_.seconds() - begin_) / (*options_.deadline - reserve_ - begin_));
+    return std::max(motions, (watch_.seconds() - search_begin_) / (*options_.deadline - reserve_ - search_begin_));
   }
-  /// What a motion costs of the evaluations, where all its landings are played.
+  /// Evaluations of a motion, where all its landings are played.
   long cost() const { return options_.measure ? long(goal_->drops.size()) : 1; }
   bool over() const {
-    return spent_ >= evaluations_ || late() || options_.monitor.stopped() || (goal_ != &final_ && share() > kFirstLook);
+    return spent_ >= evaluations_ || past_deadline() || options_.monitor.stopped() ||
+           (goal_ != &search_goal_ && share() > kFirstStageShare);
   }
-  bool late() const { return options_.deadline && watch_.seconds() > *options_.deadline - reserve_; }
+  bool past_deadline() const { return options_.deadline && watch_.seconds() > *options_.deadline - reserve_; }
 
-  /// The posture that is held comes before all.
-  void land_held() {
+  /// Plays the held posture, and reserves time by its landing.
+  void simulate_held() {
     out_.hold = held_posture(scene_);
     const double before = watch_.seconds();
     out_.held = simulate(scene_, out_.hold, {.accuracy = options_.accuracy}, options_.rate);
     reserve_ = kReserve * (watch_.seconds() - before);
     ++spent_;
   }
-  /// What is searched for, and what the best few are judged by: over drops as many as the deadline has time for.
+  /// The goals of search and judging; with a deadline over as many drops as there is time for.
   void set_goals() {
     long searched = options_.samples, judging = judging_drops(options_);
     if (options_.measure && options_.deadline) {
-      constexpr double kSearched = 0.5, kMotions = 150, kJudging = 0.2;  // parts of the deadline; motions in the first
+      constexpr double kSearched = 0.5, kMotions = 150, kJudging = 0.2;  // shares of the deadline; motions in kSearched
       const double before = watch_.seconds();
       (void)peak_acceleration(scene_, out_.hold, {.accuracy = kSearchAccuracy});
-      const double each = (watch_.seconds() - before) / thread_count(options_.threads) / *options_.deadline;
-      const auto fit = [](long most, double landings) {
-        const double fewest = double(std::min(8L, most));
-        return long(std::bit_floor(std::uint64_t(std::clamp(landings, fewest, double(most)))));
+      const double per_landing = (watch_.seconds() - before) / thread_count(options_.threads) / *options_.deadline;
+      const auto fit = [](long maximum, double landings) {
+        const double fewest = double(std::min(8L, maximum));
+        return long(std::bit_floor(std::uint64_t(std::clamp(landings, fewest, double(maximum)))));
       };
-      searched = fit(searched, kSearched / (kMotions * each));
-      judging = fit(judging, kJudging / (double(kJudged + 1) * each));
+      searched = fit(searched, kSearched / (kMotions * per_landing));
+      judging = fit(judging, kJudging / (double(kFinalists + 1) * per_landing));
     }
     BodyGoals goals = plan_goals(scene_, options_, searched, judging);
-    final_ = std::move(goals.search), judge_ = std::move(goals.judge);
+    search_goal_ = std::move(goals.search), judging_goal_ = std::move(goals.judge);
   }
-  void judge_held() {
+  void evaluate_held() {
     if (no_landing(out_.held.end)) return;
     out_.held_value = worth(scene_, out_.held);
-    if (!judge_.single()) {
+    if (!judging_goal_.single()) {
       const double begin = watch_.seconds();
       choose_accuracy();
-      const Judged held = judged(judge_, out_.hold, judging_options_);
+      const Judged held = judged(judging_goal_, out_.hold, judging_options_);
       out_.held_value = held.value, out_.held_keeps_limits = held.keeps_limits;
-      spent_ += options_.measure ? long(judge_.drops.size()) : 0;
-      judging_ = watch_.seconds() - begin;
-      if (options_.deadline) reserve_ += double(kJudged) * judging_;
+      spent_ += options_.measure ? long(judging_goal_.drops.size()) : 0;
+      judging_time_ = watch_.seconds() - begin;
+      if (options_.deadline) reserve_ += double(kFinalists) * judging_time_;
     }
     if (!(out_.held_value < kNoMotion) || !out_.held_keeps_limits) return;
     out_.motion = out_.hold, out_.landing = out_.held, out_.value = out_.held_value, out_.found = true;
-    if (scene_.release) return;  // no motion of the space holds the joints where they are let go
+    if (scene_.release) return;  // the space has no motion that holds the released joints
     Candidate c{space_.unit(out_.hold)};
     c.value = out_.held_value;
-    keep(c);
+    record(c);
   }
 
-  /// Other postures to hold, where the robot may be let go in any: some by the scene's own drop, then beside the best
-  /// of them; the best that lie apart by the goal. The best of all is an answer.
-  void hold_others() {
-    constexpr std::size_t kMany = 64, kFew = 16, kBest = 3;
-    constexpr double kHolding = 0.05, kBeside = 0.1;  // of the budget; of the box
+  /// Other postures to hold, where the robot may be released in any: random ones in the scene's own drop, then ones
+  /// around the best; the best that lie apart by the goal. The best of all may be the answer.
+  void search_held() {
+    constexpr std::size_t kMany = 64, kFew = 16, kBest = 3;  // postures
+    constexpr double kHolding = 0.05, kAround = 0.1;         // share of the budget; sigma
     const bool many = !options_.deadline && kHolding * double(evaluations_) > 2 * kMany;
     Random random(options_.seed);
-    const BodyGoal own = own_drop(scene_);
+    const BodyGoal nominal = nominal_drop(scene_);
     const Archive known = best_;
-    const ByFirstContact known_lowest = lowest_;
+    const ContactArchives known_lowest = lowest_by_contact_;
     Archive best(kBest, kApart);
     std::vector<Candidate> postures(many ? kMany : kFew);
-    goal_ = &own;
+    goal_ = &nominal;
     for (int round = 0; round < 2 && share() < kHolding; ++round) {
       for (Candidate& p : postures) {
-        p = best.empty() ? random_point(random, space_.dimension()) : beside(best[0], kBeside, random);
+        p = best.empty() ? random_point(random, space_.dimension()) : perturbed(best[0], kAround, random);
         p.u = space_.held(p.u);
       }
       evaluate(postures);
       for (const Candidate& p : postures)
         if (p.value < kNoMotion) best.add(p);
     }
-    goal_ = &final_;
+    goal_ = &search_goal_;
     std::vector<Candidate> judged(best.begin(), best.end());
     for (Candidate& p : judged) p.bound = kNoMotion;
     evaluate(judged);
-    best_ = known, lowest_ = known_lowest;  // no run is given up for being worse than a posture
+    best_ = known, lowest_by_contact_ = known_lowest;  // no run is abandoned for being worse than a posture
     const auto lowest = std::min_element(judged.begin(), judged.end());
-    if (lowest != judged.end() && lowest->value < kNoMotion && !late()) offer(*lowest);
+    if (lowest != judged.end() && lowest->value < kNoMotion && !past_deadline()) accept_if_better(*lowest);
   }
 
-  /// Values of as many of the points as the budget allows; the others come back with kNoMotion.
+  /// Evaluates as many of the points as the budget allows; the others get kNoMotion.
   void evaluate(std::span<Candidate> points) {
-    const long left = std::max(0L, evaluations_ - spent_), each = cost();
-    const auto allowed = std::min(points.size(), std::size_t((left + each - 1) / each));
-    const std::function<bool()> stop = [this] { return late() || options_.monitor.stopped(); };
+    const long left = std::max(0L, evaluations_ - spent_), per_motion = cost();
+    const auto allowed = std::min(points.size(), std::size_t((left + per_motion - 1) / per_motion));
+    const std::function<bool()> stop = [this] { return past_deadline() || options_.monitor.stopped(); };
     for (Candidate& p : points) p.value = kNoMotion;
     std::vector<Valuation> motions = valuations(*goal_, points.first(allowed));
     play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
     for (std::size_t i = 0; i < allowed; ++i)
       points[i].value = motions[i].value(), points[i].first_contact = motions[i].first_contact();
-    if (goal_->single() && !judge_.single() && scene_.limited()) check_limits(points.first(allowed), stop);
+    if (goal_->single() && !judging_goal_.single() && scene_.limited()) check_limits(points.first(allowed), stop);
     for (std::size_t i = 0; i < allowed; ++i) {
       spent_ += options_.measure ? motions[i].played() : 1;
-      if (points[i].value <= points[i].bound && points[i].value < kNoMotion) keep(points[i]);
+      if (points[i].value <= points[i].bound && points[i].value < kNoMotion) record(points[i]);
     }
     if (!options_.deadline) options_.monitor.progress(std::min(spent_, evaluations_), evaluations_);
   }
-  /// What would be the best by its own landing must keep the limits in the whole execution box.
+  /// New best motions of the scene's own drop must keep the limits in the whole execution box.
   void check_limits(std::span<Candidate> points, const std::function<bool()>& stop) {
     const double best = best_.empty() ? kNoMotion : best_[0].value;
     std::vector<Candidate*> better;
     for (Candidate& p : points)
       if (p.value < best) better.push_back(&p);
     std::vector<Valuation> motions;
-    for (const Candidate* p : better) motions.emplace_back(judge_, space_.motion(p->u), kNoMotion);
+    for (const Candidate* p : better) motions.emplace_back(judging_goal_, space_.motion(p->u), kNoMotion);
     play(motions, scene_.robot, kSearchAccuracy, options_.threads, &stop);
     for (std::size_t i = 0; i < better.size(); ++i)
       if (!(motions[i].value() < kNoMotion)) better[i]->value = kNoMotion;
@@ -308,22 +309,23 @@ class BodySearch {
     for (const Candidate& p : points) out.emplace_back(goal, space_.motion(p.u), p.bound);
     return out;
   }
-  void keep(const Candidate& p) {
-    if (goal_ == &final_ && (best_.empty() || p.value < best_[0].value))
+  void record(const Candidate& p) {
+    if (goal_ == &search_goal_ && (best_.empty() || p.value < best_[0].value))
       out_.progress.push_back({spent_, watch_.seconds(), p.value});
-    best_.add(p), lowest_.add(p);
+    best_.add(p), lowest_by_contact_.add(p);
   }
 
-  /// Motions from anywhere, and beside the best of those before; each followed only while it may be a start.
-  void scout(long motions, double anywhere) {
+  /// Uniform motions (with probability `uniform`) and ones around the best so far; all followed up to the starts'
+  /// bound.
+  void scout(long motions, double uniform) {
     starts_.clear();
     std::vector<Candidate> batch(kBatch);
     for (long n = 0; n < motions && !over(); n += kBatch) {
       const double bound = starts_.bound();
       for (Candidate& p : batch) {
-        p = starts_.empty() || random_.uniform() < anywhere
-                ? point_of(random_, space_.variables(), kPlain)
-                : beside(starts_.draw(random_), std::pow(10.0, -random_.uniform(0.5, 1.5)), random_);
+        p = starts_.empty() || random_.uniform() < uniform
+                ? random_point(random_, space_.variables(), kNeutral)
+                : perturbed(starts_.draw(random_), std::pow(10.0, -random_.uniform(0.5, 1.5)), random_);
         p.bound = bound;
       }
       evaluate(batch);
@@ -331,9 +333,9 @@ class BodySearch {
         if (p.value <= p.bound && p.value < kNoMotion) starts_.add(p);
     }
   }
-  /// A distribution that finds its way down from a place, until it has gathered, stands still or falls behind.
-  void close_in(const Candidate& start, double size, const Enough& enough) {
-    constexpr double kBound = 1.3, kBehind = 0.6, kForgives = 0.97;
+  /// Covariance matrix adaptation from a start until it has converged, stalls or lags behind the best.
+  void run_cma(const Candidate& start, double size, const StopRule& stop) {
+    constexpr double kBound = 1.3, kSlack = 0.6, kDecay = 0.97;  // of the slack, a generation
     constexpr int kFree = 8, kPoints = 14;
     const int patience = 10 + 2 * space_.dimension();
     CovarianceAdaptation distribution;
@@ -341,28 +343,28 @@ class BodySearch {
     std::vector<Candidate> points(kPoints);
     Candidate best = start;
     double bound = kNoMotion, milestone = kNoMotion;
-    for (int n = 0, still = 0; !over() && still < patience && distribution.widest() > enough.width; ++n) {
+    for (int n = 0, stalled = 0; !over() && stalled < patience && distribution.largest_deviation() > stop.width; ++n) {
       distribution.sample(random_, points);
       for (Candidate& p : points) p.bound = bound;
       evaluate(points);
       if (over()) break;
       std::sort(points.begin(), points.end());
       if (points[0] < best) best = points[0];
-      const double middle = points[kPoints / 2].value;
-      bound = middle < kNoMotion ? kBound * middle : kNoMotion;  // what is worse is not learnt from
-      distribution.learn(points);
-      still = best.value < milestone * (1 - enough.better) ? 0 : still + 1;
-      if (still == 0) milestone = best.value;
-      if (n > kFree && best.value > lowest_.lowest(best) * (1 + kBehind * std::pow(kForgives, n - kFree))) break;
+      const double median = points[kPoints / 2].value;
+      bound = median < kNoMotion ? kBound * median : kNoMotion;  // worse points have no weight in the update
+      distribution.update(points);
+      stalled = best.value < milestone * (1 - stop.min_gain) ? 0 : stalled + 1;
+      if (stalled == 0) milestone = best.value;
+      if (n > kFree && best.value > lowest_by_contact_.lowest(best) * (1 + kSlack * std::pow(kDecay, n - kFree))) break;
     }
     basins_.add(best);
   }
-  /// Where the largest peak counts and nothing limits it, by its gradients; a place that they do not better is refined
-  /// by a narrow distribution.
+  /// Descends by gradients where the goal is the largest peak without limits; by a narrow distribution otherwise, or
+  /// where that brought no improvement.
   void refine(const Candidate& best) {
-    if (final_.worst() && !scene_.limited() && best.u != refined_) {
+    if (search_goal_.worst() && !scene_.limited() && best.u != refined_) {
       refined_ = best.u;
-      descend_by_gradient(final_, space_, best.u, best.value, options_.threads, [&](const Coordinates& u) {
+      descend_by_gradient(search_goal_, space_, best.u, best.value, options_.threads, [&](const Coordinates& u) {
         Candidate p{u};
         evaluate(std::span(&p, 1));
         spent_ += cost_of_gradient();
@@ -370,27 +372,27 @@ class BodySearch {
       });
       if (best_[0].value < best.value) return;
     }
-    close_in(best, kRefined, kFine);
+    run_cma(best, kRefined, kFine);
   }
-  /// In motions, roughly: a landing with its derivatives by eight numbers takes some ten times a landing.
+  /// In motions: a landing with its derivatives for eight numbers takes about as long as ten.
   long cost_of_gradient() const { return 10 * ((space_.dimension() + 7) / 8); }
-  void start_beside_a_basin() {
+  void restart_near_basin() {
     const double size = std::pow(10.0, -random_.uniform(0.7, 2));
-    close_in(beside(basins_.draw(random_), size, random_), size, kRough);
+    run_cma(perturbed(basins_.draw(random_), size, random_), size, kRough);
   }
-  void start_anywhere() {
-    scout(kRace, 1);
-    if (!starts_.empty()) close_in(Candidate(starts_.draw(random_, kRuns)), kNarrow, kRough);
+  void restart_globally() {
+    scout(kRestartScouts, 1);
+    if (!starts_.empty()) run_cma(Candidate(starts_.draw(random_, kRuns)), kNarrow, kRough);
   }
 
-  /// What the first look found, by the goal.
-  void judge_anew() {
+  /// Evaluates the best and the basins of the first stage by the goal.
+  void reevaluate_first_stage() {
     std::vector<Candidate> known(best_.begin(), best_.end());
-    if (!known.empty()) first_look_ = known[0];
+    if (!known.empty()) first_stage_best_ = known[0];
     const std::vector<Candidate> basins = basins_.best();
     known.insert(known.end(), basins.begin(), basins.end());
-    best_.clear(), lowest_.clear(), basins_.clear(), starts_.clear();
-    goal_ = &final_;
+    best_.clear(), lowest_by_contact_.clear(), basins_.clear(), starts_.clear();
+    goal_ = &search_goal_;
     for (Candidate& p : known) p.bound = kNoMotion;
     const auto batch = std::size_t(kBatch);
     for (std::size_t i = 0; i < known.size() && !over(); i += batch)
@@ -399,41 +401,42 @@ class BodySearch {
       if (p.value < kNoMotion) basins_.add(p);
   }
 
-  /// What is left of the deadline: so much for judging.
-  void share_out() {
-    begin_ = watch_.seconds();
-    reserve_ = std::min(reserve_, kMostReserved * std::max(0.0, *options_.deadline - begin_));
+  /// Limits the time reserved for judging to its share of the remaining time.
+  void bound_reserve() {
+    search_begin_ = watch_.seconds();
+    reserve_ = std::min(reserve_, kMaxReserve * std::max(0.0, *options_.deadline - search_begin_));
   }
-  /// Many landings judge, at the search's accuracy where a tighter one takes too much of the deadline.
+  /// Judges many landings at kSearchAccuracy where a tighter one takes too much of the deadline.
   void choose_accuracy() {
-    const double landing = reserve_ / kReserve, all = double(kJudged * judge_.drops.size()) * landing;
-    if (options_.deadline && all > kMostReserved * *options_.deadline)
+    const double landing = reserve_ / kReserve, all = double(kFinalists * judging_goal_.drops.size()) * landing;
+    if (options_.deadline && all > kMaxReserve * *options_.deadline)
       judging_options_.accuracy = std::max(options_.accuracy, kSearchAccuracy);
   }
-  /// Takes a motion for the answer where it is better, at a tight accuracy, than what is known.
-  void offer(const Candidate& p) {
+  /// Makes a motion the answer where it is better at a tight accuracy.
+  void accept_if_better(const Candidate& p) {
     const BodyMotion motion = space_.motion(p.u);
-    const Judged result = judge_.single() ? Judged{0, true} : judged(judge_, motion, judging_options_);
+    const Judged result = judging_goal_.single() ? Judged{0, true} : judged(judging_goal_, motion, judging_options_);
     double value = result.value;
     if (!result.keeps_limits || (out_.found && !(value < out_.value))) return;
     const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
-    if (judge_.single()) value = worth(scene_, l);
+    if (judging_goal_.single()) value = worth(scene_, l);
     if (no_landing(l.end) || (out_.found && !(value < out_.value))) return;
     out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true;
-    out_.edges = p.u == space_.held(p.u) ? Edges{} : space_.edges(p.u);  // of a posture the duration has no say
+    out_.edges = p.u == space_.held(p.u) ? Edges{} : space_.edges(p.u);  // a posture lies on no edge of the duration
   }
-  /// The best few at a tight accuracy: many a best stands on a cliff. Those of a measure on other drops.
+  /// Judges the best few at a tight accuracy, as the best often lies at a cliff; under a measure on other drops.
   void judge() {
     std::size_t n = 0;
     for (const Candidate& p : best_) {
-      if (out_.found && !options_.measure && !(p.value < out_.value)) break;  // those behind it are no better
-      if (options_.measure && out_.found && n++ >= kJudged) break;  // the next ones, where none keeps the limits
+      if (out_.found && !options_.measure && !(p.value < out_.value)) break;  // nor is any after it
+      if (options_.measure && out_.found && n++ >= kFinalists) break;         // more where none keeps the limits
       if (options_.deadline && out_.value < out_.held_value &&
-          watch_.seconds() + kSlower * judging_ > *options_.deadline)
+          watch_.seconds() + kSlower * judging_time_ > *options_.deadline)
         break;
-      offer(p);
+      accept_if_better(p);
     }
-    if (first_look_ && !(out_.value < out_.held_value)) offer(*first_look_);  // there was time for that alone
+    if (first_stage_best_ && !(out_.value < out_.held_value))
+      accept_if_better(*first_stage_best_);  // no time was left for the goal
     if (out_.found) {
       if (options_.monitor.stopped()) out_.message = "interrupted: the best so far";
       return;
@@ -444,7 +447,7 @@ class BodySearch {
                                                     : "no motion could be followed to the floor";
   }
 
-  /// What the held posture breaks first.
+  /// The first limit that the held posture breaks, for the message.
   std::string held_breaks() const {
     const BrokenLimit& b = out_.held.broken;
     if (!b) return "";
@@ -453,44 +456,44 @@ class BodySearch {
 
   const BodyScene& scene_;
   const BodyPlanOptions& options_;
-  BodyPlanOptions judging_options_;  ///< of the best few
+  BodyPlanOptions judging_options_;  ///< for the best few
   const BodySpace space_;
   BodyPlan& out_;
   const long evaluations_;
-  BodyGoal final_, judge_;          ///< what is searched for; what the best few are judged by
-  const BodyGoal* goal_ = &final_;  ///< what motions are tried by now
+  BodyGoal search_goal_, judging_goal_;   ///< of the search; of the best few
+  const BodyGoal* goal_ = &search_goal_;  ///< of `evaluate` at present
   Random random_;
   Archive best_{kContenders, kApart};
-  ByFirstContact starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart}, lowest_{1, 0};
+  ContactArchives starts_{kStarts, kStartsApart}, basins_{kBasins, kBasinsApart}, lowest_by_contact_{1, 0};
   Stopwatch watch_{Stopwatch::Time::kWall};
-  Coordinates refined_;                  ///< the last place that gradients were followed from
-  std::optional<Candidate> first_look_;  ///< what it found, by its own goal
-  double reserve_ = 0;                   ///< [s]
-  double begin_ = 0;                     ///< of the search [s]
-  double judging_ = 0;                   ///< what the held posture took, where many landings judge [s]
+  Coordinates refined_;                        ///< the last start of a descent by gradients
+  std::optional<Candidate> first_stage_best_;  ///< by the goal of the first stage
+  double reserve_ = 0;                         ///< time before the deadline that is kept for judging [s]
+  double search_begin_ = 0;                    ///< [s]
+  double judging_time_ = 0;                    ///< of the held posture on many drops [s]
   long spent_ = 0;
 };
 
-/// Of a deadline, for the fresh drops that tell the share of those that keep the limits.
-constexpr double kForFresh = 0.1;
+/// Of a deadline, for the fresh drops that estimate the share of those that keep the limits.
+constexpr double kFreshShare = 0.1;
 
-/// A plan and the held posture over drops that nothing was chosen by; with a deadline over as many of them as there is
+/// A plan and the held posture over drops that were not used in the search; with a deadline over as many as there is
 /// time for, absent where there is none.
-std::optional<BodyUnderScatter> over_fresh(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options,
-                                           const Stopwatch& watch) {
-  constexpr std::size_t kPiece = 128;  // drops between two looks at the clock
+std::optional<BodyUnderScatter> evaluate_on_fresh(const BodyScene& scene, const BodyPlan& plan,
+                                                  const BodyPlanOptions& options, const Stopwatch& watch) {
+  constexpr std::size_t kChunk = 128;  // drops between two checks of the clock
   BodyUnderScatter out{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
   const BodyDropModel model(scene, out.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
   const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
-  const std::function<bool()> late = [&] { return options.deadline && watch.seconds() > *options.deadline; };
+  const std::function<bool()> past_deadline = [&] { return options.deadline && watch.seconds() > *options.deadline; };
   std::vector<double> planned, held;
-  const std::size_t piece = options.deadline ? kPiece : drops.size();
-  for (std::size_t first = 0; first < drops.size(); first += piece) {
-    const auto next = std::span(drops).subspan(first, std::min(piece, drops.size() - first));
-    const PeaksOver of_plan = peaks_over(next, plan.motion, kSearchAccuracy, options.threads, &late),
-                    of_held = peaks_over(next, plan.hold, kSearchAccuracy, options.threads, &late);
-    if (late()) break;
+  const std::size_t chunk = options.deadline ? kChunk : drops.size();
+  for (std::size_t first = 0; first < drops.size(); first += chunk) {
+    const auto next = std::span(drops).subspan(first, std::min(chunk, drops.size() - first));
+    const PeaksOver of_plan = peaks_over(next, plan.motion, kSearchAccuracy, options.threads, &past_deadline),
+                    of_held = peaks_over(next, plan.hold, kSearchAccuracy, options.threads, &past_deadline);
+    if (past_deadline()) break;
     planned.insert(planned.end(), of_plan.peaks.begin(), of_plan.peaks.end());
     held.insert(held.end(), of_held.peaks.begin(), of_held.peaks.end());
     out.broken += of_plan.broken;
@@ -510,12 +513,12 @@ BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   scene.validate(), options.validate(), check_share(scene, options.share);
   const Stopwatch watch(Stopwatch::Time::kWall);
   const bool scatters = options.measure || options.scatter || scene.scatter;
-  const bool told = options.fresh > 0 && (options.deadline ? options.share.has_value() : scatters);
+  const bool reports = options.fresh > 0 && (options.deadline ? options.share.has_value() : scatters);
   BodyPlanOptions search = options;
-  if (told && search.deadline) *search.deadline *= 1 - kForFresh;
+  if (reports && search.deadline) *search.deadline *= 1 - kFreshShare;
   BodyPlan out;
   BodySearch(scene, search, out).run();
-  if (told && out.found && !options.monitor.stopped()) out.under = over_fresh(scene, out, options, watch);
+  if (reports && out.found && !options.monitor.stopped()) out.under = evaluate_on_fresh(scene, out, options, watch);
   return out;
 }
 

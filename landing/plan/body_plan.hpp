@@ -1,4 +1,4 @@
-// The best landing of a robot of any joints: in its own drop, played inexactly, or over drops that scatter. Ours.
+// The best landing of a robot of links: in its own drop, within the execution tolerance, or over scattered drops.
 #pragma once
 
 #include <cstdint>
@@ -15,65 +15,65 @@
 namespace ukemi::landing {
 
 struct BodyPlanOptions {
-  Goal goal = Goal::kPeak;         ///< kTolerant: the worst of execution_drops; kRobust is told by `measure`
-  std::optional<Measure> measure;  ///< of the peaks over drops that scatter; with kTolerant each is played inexactly
+  Goal goal = Goal::kPeak;         ///< kPeak or kTolerant (the worst of execution_drops); `measure` makes it robust
+  std::optional<Measure> measure;  ///< of the peaks over scattered drops; with kTolerant each is played inexactly
   std::optional<Scatter> scatter;  ///< see scatter_for
-  std::optional<double> share;     ///< with a measure: of the drops, that keep the limits; absent: Measure::share
+  std::optional<double> share;     ///< with a measure: of drops that must keep the limits; absent: Measure::share
   double inflate = 1;              ///< see BodyDropModel::Options
-  long samples = 64;               ///< drops that are searched on, 1 to 4096; fewer by a short deadline
-  long judging = 256;              ///< others, that the best few are judged on; the same range
-  long fresh = 2048;  ///< others again, that the answer is told on, 0 to 1e6; by a deadline for `share` alone
-  std::optional<long> evaluations;  ///< motions, with a measure landings; absent: default_evaluations, or all in time
-  std::optional<double> deadline;   ///< when the answer stands, from the call on [s], > 0
-  double accuracy = 1e-9;           ///< at which the best are judged, see SimulateOptions
+  long samples = 64;               ///< drops of the search, 1 to 4096; fewer with a short deadline
+  long judging = 256;              ///< other drops, on which the best few are judged; the same range
+  long fresh = 2048;  ///< further drops for the report on the answer, 0 to 1e6; with a deadline only if `share` is set
+  std::optional<long> evaluations;  ///< motions, with a measure landings; absent: default_evaluations, or no bound
+  std::optional<double> deadline;   ///< of the answer, from the call [s], > 0
+  double accuracy = 1e-9;           ///< of the best, see SimulateOptions
   std::uint64_t seed = 1;
   int threads = 0;                 ///< 0: all cores; without influence on the results
-  std::vector<BodyMotion> starts;  ///< tried before all others, and searched from
-  double rate = 0;                 ///< rows of the answer's trajectory a second [Hz]; 0: none
+  std::vector<BodyMotion> starts;  ///< warm starts
+  double rate = 0;                 ///< sampling of the answer's trajectory [Hz]; 0: none
   Monitor monitor;
   void validate() const;  ///< throws InputError
-  /// Of a scene: half as many again for each variable more than the quintics have.
+  /// Increases by a half for each variable beyond those of the quintics.
   long default_evaluations(const BodyScene& scene) const;
 };
 
-/// A moment at which the best became better.
+/// An improvement of the best.
 struct BodyProgress {
   long evaluations;
   double seconds, value;
 };
 
-/// A plan over fresh drops, beside the held posture.
+/// A plan over fresh drops, compared with the held posture.
 struct BodyUnderScatter {
   Scatter scatter;
-  bool assumed = false;  ///< nobody said what the scatter is
+  bool assumed = false;  ///< neither the options nor the scene have a scatter
   Distribution planned, held;
   Estimated measured;               ///< BodyPlanOptions::measure of the plan; without one the mean
-  long from_floor = 0, broken = 0;  ///< drops that would begin below the floor; in which the plan breaks a limit
-  std::vector<long> exceeded;       ///< of BodyScene::loads, the plan's drops beyond the rating
+  long from_floor = 0, broken = 0;  ///< drops that would begin below the floor; drops in which the plan breaks a limit
+  std::vector<long> exceeded;       ///< of each of BodyScene::loads, drops in which the plan exceeds its rating
 };
 
 struct BodyPlan {
-  BodyMotion motion;    ///< the best; holding where nothing was better
-  BodyLanding landing;  ///< of it, at BodyPlanOptions::accuracy
+  BodyMotion motion;    ///< the best; the held posture where nothing was better
+  BodyLanding landing;  ///< of `motion`, at BodyPlanOptions::accuracy
   BodyMotion hold;      ///< the posture of `held_posture`
   BodyLanding held;     ///< its landing
   double value = 0;     ///< the goal: the peak, the tolerant peak, the measure over the judging drops; NaN: none found
-  double held_value = 0;                  ///< the same of the held posture, judged first
-  bool held_keeps_limits = true;          ///< false: holding is no answer
-  std::optional<BodyUnderScatter> under;  ///< where drops scatter; by a deadline with a share and time for it
+  double held_value = 0;                  ///< the goal of the held posture
+  bool held_keeps_limits = true;          ///< false: it cannot be the answer
+  std::optional<BodyUnderScatter> under;  ///< where drops scatter; with a deadline only for a share, if time is left
   std::vector<Variable> variables;
-  Edges edges{};  ///< of the ranges that the motion lies on
+  Edges edges{};  ///< edges of the ranges on which the motion lies
   long evaluations = 0;
   double seconds = 0;                  ///< from the call to the answer, without `under`
   bool found = false;                  ///< false: not even holding could be followed to the floor
   std::string message;                 ///< why nothing was found, or why the search ended early
-  std::vector<BodyProgress> progress;  ///< in the search's own accuracy
+  std::vector<BodyProgress> progress;  ///< at kSearchAccuracy
 };
 
 /// The motion with the smallest goal that keeps BodyScene::limits and the loads that are limits: in the whole execution
-/// box, with a measure in `share` of the drops. Never worse than the held posture, where that keeps them. The same for
-/// a seed and a number of evaluations whatever the threads; with a deadline the clock decides. Throws InputError as
-/// `simulate`. Tests: test/legs/plans.cpp, scatter.cpp, loads.cpp.
+/// box, with a measure in `share` of the drops. Never worse than the held posture where that keeps them. Deterministic
+/// for a seed and a number of evaluations, whatever the threads; with a deadline the clock decides. Throws InputError
+/// as `simulate`. Tests: test/legs/plans.cpp, scatter.cpp, loads.cpp.
 [[nodiscard]] BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options = {});
 
 }  // namespace ukemi::landing

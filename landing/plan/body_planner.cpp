@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <initializer_list>
 #include <utility>
 
 #include "common/error.hpp"
@@ -14,25 +13,9 @@ namespace ukemi::landing {
 
 namespace {
 
-struct Number {
-  double value, low, high;
-  const char* rule;
-};
-/// What is wrong with the first of the numbers that is out of its range or NaN; empty: nothing.
-std::string fault_of(std::initializer_list<Number> numbers) {
-  for (const Number& n : numbers)
-    if (!(n.value >= n.low && n.value <= n.high)) return n.rule;
-  return "";
-}
-constexpr double kFar = 1e4, kFast = 1e3, kTurn = 6.283185307179586;
-
-std::string fault_of(const Drop& d, double deadline) {
-  const std::string wrong = fault_of({{deadline, 1e-6, kFast, "deadline: above 0 to 1e3 s is needed"}});
-  return wrong.empty() ? landing::fault_of(d) : wrong;
-}
 BodyAnswer refused(std::string wrong) { return {.status = Plan::Status::kBadInput, .wrong = std::move(wrong)}; }
 
-/// The ends of the moves in the air, so much later [s].
+/// Delays the ends of the moves in the air by `seconds`.
 BodyMotion delayed(BodyMotion motion, double seconds) {
   for (Motion& m : motion)
     if (m.reposition) m.reposition->to += seconds;
@@ -41,28 +24,22 @@ BodyMotion delayed(BodyMotion motion, double seconds) {
 
 }  // namespace
 
-std::string fault_of(const Drop& d) {
-  return fault_of({{d.height, 0, kFar, "height: 0 to 1e4 m is needed"},
-                   {d.forward_speed, -kFast, kFast, "forward_speed: at most 1e3 m/s either way is needed"},
-                   {d.pitch, -kTurn, kTurn, "pitch: radians, at most 2 pi either way, are needed"},
-                   {d.pitch_rate, -kFast, kFast, "pitch_rate: at most 1e3 rad/s either way is needed"},
-                   {d.vertical_speed, -kFast, kFast, "vertical_speed: at most 1e3 m/s either way is needed"}});
-}
 std::string fault_of(const BodyFallState& s, std::size_t joints) {
   if (s.joints.size() != joints)
     return fmt::format("joints: {}: one for each of {} joints is needed", s.joints.size(), joints);
-  for (const BodyRelease::Joint& j : s.joints) {
-    const std::string wrong = fault_of({{j.phi, -kTurn, kTurn, "phi: radians, at most 2 pi either way, are needed"},
-                                        {j.rate, -kFast, kFast, "rate: at most 1e3 rad/s either way is needed"}});
-    if (!wrong.empty()) return wrong;
-  }
-  return fault_of({{s.elapsed, 0, kFast, "elapsed: 0 to 1e3 s is needed"}});
+  for (const BodyRelease::Joint& j : s.joints)
+    if (const char* wrong = fault_of_joint(j.phi, j.rate)) return wrong;
+  const char* wrong = fault_of_elapsed(s.elapsed);
+  return wrong ? wrong : "";
+}
+double fall_acceleration(const Robot& robot) {
+  if (robot.base == Base::kPinned) return 0;
+  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1;
+  return robot.gravity * along * along;
 }
 BodyScene falling(BodyScene scene, const BodyFallState& s, double from) {
-  const Robot& robot = scene.robot;
-  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1,
-               fallen = robot.base == Base::kPinned ? 0 : -robot.gravity * along * along * s.elapsed;
-  scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(fallen)};
+  const double free_fall = -fall_acceleration(scene.robot) * s.elapsed;
+  scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(free_fall)};
   scene.release = BodyRelease{s.joints, from};
   return scene;
 }
@@ -81,7 +58,7 @@ BodyAnswer BodyPlanner::search(const BodyScene& scene, double deadline, std::uin
   BodyAnswer out;
   try {
     out.plan = landing::plan(scene, options);
-  } catch (const InputError& e) {  // as a speed of a base that has none
+  } catch (const InputError& e) {  // e.g. a speed that the base does not have
     return refused(e.what());
   }
   out.status = out.plan.found ? Plan::Status::kFound : Plan::Status::kNothing;
@@ -89,7 +66,8 @@ BodyAnswer BodyPlanner::search(const BodyScene& scene, double deadline, std::uin
 }
 
 BodyAnswer BodyPlanner::plan(const Drop& drop, double deadline, std::uint64_t seed) {
-  if (std::string wrong = fault_of(drop, deadline); !wrong.empty()) return refused(std::move(wrong));
+  for (const char* wrong : {fault_of(drop), fault_of_deadline(deadline)})
+    if (wrong) return refused(wrong);
   BodyScene scene = scene_;
   scene.drop = drop;
   const BodyAnswer out = search(scene, deadline, seed);
@@ -99,8 +77,9 @@ BodyAnswer BodyPlanner::plan(const Drop& drop, double deadline, std::uint64_t se
 
 BodyAnswer BodyPlanner::plan(const BodyFallState& s, double deadline, std::uint64_t seed) {
   const BodyScene scene = falling(scene_, s, deadline);
-  for (std::string wrong : {fault_of(s, scene_.robot.joints.size()), fault_of(scene.drop, deadline)})
-    if (!wrong.empty()) return refused(std::move(wrong));
+  if (std::string wrong = fault_of(s, scene_.robot.joints.size()); !wrong.empty()) return refused(std::move(wrong));
+  for (const char* wrong : {fault_of(scene.drop), fault_of_deadline(deadline)})
+    if (wrong) return refused(wrong);
   if (!(fall_time(scene) > deadline)) return {.status = Plan::Status::kFloorFirst};
   last_ = delayed(std::move(last_), -s.elapsed);
   const BodyAnswer out = search(scene, deadline, seed);

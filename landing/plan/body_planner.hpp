@@ -1,4 +1,4 @@
-// The search as a part of the control program of a robot of links: an answer by a deadline, again and again.
+// The search for the control program of a robot of links: repeated plans, each by a deadline.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace ukemi::landing {
 
-/// What a robot of links measures in the air. A number beyond its range, or NaN, makes Plan::Status::kBadInput.
+/// State of a robot of links measured in the air. A number out of its range, or NaN, gives Plan::Status::kBadInput.
 struct BodyFallState {
   double height;                              ///< clearance of the lowest contact now, 0 to 1e4 [m]
   std::vector<BodyRelease::Joint> joints;     ///< of Robot::joints, at most 2 pi and 1e3 rad/s either way
@@ -21,7 +21,7 @@ struct BodyFallState {
   std::optional<double> vertical_speed = {};  ///< upwards, at most 1e3 [m/s]; absent: of a free fall of `elapsed`
 };
 
-/// What it answers with.
+/// The answer of a BodyPlanner.
 struct BodyAnswer {
   Plan::Status status = Plan::Status::kNothing;
   BodyPlan plan;      ///< times of its moves in the air count from the call
@@ -29,7 +29,7 @@ struct BodyAnswer {
   bool found() const { return status == Plan::Status::kFound; }
 };
 
-/// Owns a scene, and what was planned last: the next plan of a fall begins there. Not to be called from two threads at
+/// Owns a scene and its last plan, from which the next plan of a fall starts. Not to be called from two threads at
 /// once. Unlike Planner it allocates, and searches on BodyPlanOptions::threads. Tests: test/legs/air.cpp.
 class BodyPlanner {
  public:
@@ -39,11 +39,11 @@ class BodyPlanner {
   /// The best motion for a drop from rest that is found within `deadline` seconds from the call (> 0, finite).
   [[nodiscard]] BodyAnswer plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
   /// The same for a robot in the air, whose references stand at the measured angles until the deadline and can move
-  /// from then on. No worse than to stand there, where that keeps the limits. Throws nothing for whatever was measured.
+  /// from then on. No worse than holding there, where that keeps the limits. Throws nothing for bad measurements.
   [[nodiscard]] BodyAnswer plan(const BodyFallState& state, double deadline, std::uint64_t seed = 1);
-  /// The next plan tries these motions before all others, as an atlas has them, and not the last plan.
+  /// Warm starts of the next plan, as an atlas has them, instead of the last plan.
   void start(std::vector<BodyMotion> motions) { starts_ = std::move(motions); }
-  void forget() { last_.clear(); }  ///< a new fall: the last plan has no say
+  void forget() { last_.clear(); }  ///< before a new fall: ignores the last plan
 
  private:
   BodyAnswer search(const BodyScene& scene, double deadline, std::uint64_t seed);

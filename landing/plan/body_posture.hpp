@@ -1,4 +1,4 @@
-// Where the links of a robot are at rest, for what is asked before it falls.
+// Pose of a robot of links at rest, for checks before a drop.
 #pragma once
 
 #include <array>
@@ -9,14 +9,14 @@
 
 namespace ukemi::landing {
 
-/// The pose with the joints at phi, of Robot::joints [rad], and the base's point in the origin. A pinned robot's own
-/// joint, unless it is driven, is where the first link's pitch says.
-inline TreePose<double, kAny.bodies> at_rest_in(const Robot& robot, const Body<double, kAny>& body, double pitch,
-                                                const std::vector<double>& phi) {
+/// The pose with the joints at phi, by index of Robot::joints [rad], the base's point in the origin. The joint of a
+/// pinned base, unless it is driven, follows from the first link's pitch.
+inline TreePose<double, kAny.bodies> rest_pose(const Robot& robot, const Body<double, kAny>& body, double pitch,
+                                               const std::vector<double>& phi) {
   std::array<double, kAny.bodies> theta{};
   theta[0] = pitch;
   for (int i = 0; i < body.joints; ++i) {
-    const JointPlace& at = body.joint[std::size_t(i)];
+    const TreeJoint& at = body.joint[std::size_t(i)];
     const auto joint = std::size_t(at.joint);
     if (at.parent < 0 && !robot.joints[joint].driven()) continue;
     theta[std::size_t(at.child)] = (at.parent < 0 ? 0 : theta[std::size_t(at.parent)]) + phi[joint] - at.offset;

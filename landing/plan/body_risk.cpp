@@ -15,9 +15,8 @@ void BodyRiskOptions::validate() const { check_count("samples", samples, 1, 10'0
 
 namespace {
 
-constexpr double kAccuracy = 1e-6, kBalanced = 1e-7;  // of a peak; of a run whose energy balance must close
+constexpr double kAccuracy = 1e-6, kBalanced = 1e-7;  // of a peak; of a landing whose energy balance is checked
 constexpr long kChunk = 2048;                         // landings that are held in memory at once
-constexpr long kHeldDrops = 16'384;                   // that the held posture is played over
 
 using Kind = RiskEvent::Kind;
 
@@ -39,13 +38,13 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
   }
   return out;
 }
-bool passed(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
+bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
   if (e.load >= 0) return loads_of(scene, l)[std::size_t(e.load)].value > e.limit;
   const JointDemands& d = l.demands[std::size_t(e.joint)];
   return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
 }
 
-/// Which touchdown opened the interval that holds the peak, from 1; 0: before the first.
+/// The touchdown that opened the interval of the peak, from 1; 0: before the first.
 PeakContact peak_contact(const BodyLanding& l) {
   PeakContact out{0, -1};
   const auto highest = std::max_element(l.peaks.begin(), l.peaks.end(),
@@ -56,12 +55,12 @@ PeakContact peak_contact(const BodyLanding& l) {
   return out;
 }
 
-class Course {
+class DropRunner {
  public:
-  Course(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
+  DropRunner(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
   bool stopped() const { return options_.monitor.stopped(); }
   void played(long landings) { options_.monitor.progress(played_ += landings, planned_); }
-  /// Of the acceleration that counts: the model's drops have no loads.
+  /// Of the acceleration of the point that counts, as the model's drops have no loads.
   std::vector<double> peaks(std::span<const BodyDrop> drops, const BodyMotion& motion) const {
     return peaks_over(drops, motion, kAccuracy, options_.threads, &over_).peaks;
   }
@@ -83,35 +82,35 @@ class Course {
 };
 
 void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scene, const BodyMotion& motion,
-                long samples, const BodyRiskOptions& options, Course& course) {
+                long samples, const BodyRiskOptions& options, DropRunner& runner) {
   const BodyMotion hold = held_posture(model.scene());
   PeakCensus census;
   for (long first = 0; first < samples; first += kChunk) {
     std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
     const auto of_held = std::span<const BodyDrop>(drops).first(
         std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
-    const std::vector<double> held_peaks = course.peaks(of_held, hold);
-    const std::vector<BodyLanding> landings = course.landings(drops, motion, scene.loads);
-    if (course.stopped()) break;
-    for (const double x : held_peaks) census.held(x);
+    const std::vector<double> held_peaks = runner.peaks(of_held, hold);
+    const std::vector<BodyLanding> landings = runner.landings(drops, motion, scene.loads);
+    if (runner.stopped()) break;
+    for (const double x : held_peaks) census.add_held(x);
     for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
     for (const BodyLanding& l : landings) {
-      if (!census.motion(no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak)) continue;
+      if (!census.add_motion(no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak)) continue;
       out.lost += std::any_of(l.demands.begin(), l.demands.end(),
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
-      census.contact(c.number, c.point);
+      census.add_contact(c.number, c.point);
       bool broken = false;
       for (RiskEvent& e : out.events) {
-        const bool happens = passed(e, scene, l);
-        e.drops += happens;
-        broken = broken || (happens && e.load >= 0 && scene.loads[std::size_t(e.load)].limit);
+        const bool occurs = exceeded(e, scene, l);
+        e.drops += occurs;
+        broken = broken || (occurs && e.load >= 0 && scene.loads[std::size_t(e.load)].limit);
       }
       out.broken += broken;
     }
-    course.played(long(drops.size() + of_held.size()));
+    runner.played(long(drops.size() + of_held.size()));
   }
-  census.finish(out);
+  census.report(out);
 }
 
 }  // namespace
@@ -127,17 +126,17 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
   const BodyDropModel model(bare, out.scatter, options.drops);
   const long samples = model.scatters() ? options.samples : 1;
   const IndexPlan plan(model.sampler(), samples);
-  Course course(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
-  play_drops(out, model, scene, motion, samples, options, course);
-  out.why_none = plan.why_none(course.stopped());
+  DropRunner runner(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
+  play_drops(out, model, scene, motion, samples, options, runner);
+  out.why_none = plan.why_none(runner.stopped());
   if (out.why_none != PeakRisk::WhyNone::kThere) return out;
-  plan.work_out(out, kChunk, options.seed, options.threads,
-                [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
-                  std::vector<double> peaks = course.peaks(model.drops(points, count), motion);
-                  if (course.stopped()) return std::nullopt;
-                  course.played(count);
-                  return peaks;
-                });
+  plan.compute(out, kChunk, options.seed, options.threads,
+               [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {
+                 std::vector<double> peaks = runner.peaks(model.drops(points, count), motion);
+                 if (runner.stopped()) return std::nullopt;
+                 runner.played(count);
+                 return peaks;
+               });
   return out;
 }
 

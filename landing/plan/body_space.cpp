@@ -8,12 +8,13 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
+#include "landing/plan/body_fall.hpp"
 
 namespace ukemi::landing {
 
 namespace {
 
-/// A number of a motion by its place among motion_numbers. A motion without a move in the air has no `to`.
+/// A number of a motion by its index in motion_numbers. A motion without a move in the air has no `to`.
 double& number(Motion& m, int which) {
   double none = 0;
   return *motion_numbers(m, none)[std::size_t(which)];
@@ -24,26 +25,25 @@ double& number(Motion& m, int which) {
 double fall_time(const BodyScene& scene) {
   const Robot& robot = scene.robot;
   if (!scene.touches() || robot.base == Base::kPinned) return std::numeric_limits<double>::infinity();
-  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1;
-  return landing::fall_time(robot.gravity * along * along, scene.drop.height, scene.drop.vertical_speed);
+  return landing::fall_time(fall_acceleration(robot), scene.drop.height, scene.drop.vertical_speed);
 }
 
-BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
+BodySpace::BodySpace(const BodyScene& scene) : base_(held_posture(scene)) {
   const std::vector<Joint>& joints = scene.robot.joints;
   for (std::size_t i = 0; i < joints.size(); ++i)
     if (joints[i].driven()) driven_.push_back(int(i));
   if (driven_.empty()) throw InputError("no joint is driven: there is no motion to plan");
-  const auto each = [&](auto&& f) {
+  const auto for_each_driven = [&](auto&& f) {
     for (const int i : driven_) f(i, joints[std::size_t(i)].name, scene.search[std::size_t(i)].phi);
   };
-  each([&](int i, const std::string& name, auto& phi) {
+  for_each_driven([&](int i, const std::string& name, auto& phi) {
     add(i, 0, {"phi_i_" + name, "phi_I of " + name, "rad", phi[0], phi[1]});
     add(i, 1, {"phi_f_" + name, "phi_F of " + name, "rad", phi[0], phi[1]});
   });
   const std::array<double, 2>& range = scene.duration;
   if (!scene.own_durations) add(-1, 2, {"duration", "duration", "s", range[0], range[1]});
   const Freedom& free = scene.freedom;
-  each([&](int i, const std::string& name, auto&) {
+  for_each_driven([&](int i, const std::string& name, auto&) {
     if (scene.own_durations) add(i, 2, {"duration_" + name, "duration of " + name, "s", range[0], range[1]});
     for (int k = 0; k < free.bumps; ++k)
       add(i, kBumpSlot + k,
@@ -55,13 +55,13 @@ BodySpace::BodySpace(const BodyScene& scene) : rest_(held_posture(scene)) {
   });
   if (scene.release) {
     const double from = scene.release->from;
-    const auto [soonest, latest] = ends_of_move(from, fall_time(scene));
+    const auto [soonest, latest] = move_end_range(from, fall_time(scene));
     add(-1, kToSlot, {"to", "end of the move in the air", "s", soonest, latest});
-    for (const int i : driven_) rest_[std::size_t(i)].reposition->from = from;
+    for (const int i : driven_) base_[std::size_t(i)].reposition->from = from;
   }
-  if (dimension() > kMostVariables)
+  if (dimension() > kMaxVariables)
     throw InputError(fmt::format("a plan of {} variables for {} driven joints: at most {} are needed", dimension(),
-                                 driven_.size(), kMostVariables));
+                                 driven_.size(), kMaxVariables));
 }
 
 void BodySpace::add(int joint, int number, const Variable& variable) {
@@ -69,7 +69,7 @@ void BodySpace::add(int joint, int number, const Variable& variable) {
 }
 
 BodyMotion BodySpace::motion(const Coordinates& unit) const {
-  BodyMotion out = rest_;
+  BodyMotion out = base_;
   const Coordinates x = values(unit);
   for (std::size_t k = 0; k < variables_.size(); ++k) {
     for (const int i : driven_)
@@ -90,14 +90,14 @@ Coordinates BodySpace::unit(const BodyMotion& motion) const {
 }
 
 Coordinates BodySpace::held(Coordinates unit) const {
-  const Coordinates rest = this->unit(rest_);
+  const Coordinates held = this->unit(base_);
   double phi_i = 0;  // phi_F of a joint follows its phi_I
   for (std::size_t k = 0; k < slots_.size(); ++k) {
     double& u = unit[long(k)];
     if (slots_[k].number == 0)
       phi_i = u;
     else
-      u = slots_[k].number == 1 ? phi_i : rest[long(k)];
+      u = slots_[k].number == 1 ? phi_i : held[long(k)];
   }
   return unit;
 }

@@ -1,4 +1,4 @@
-// One landing of a robot of any joints, and how far its peak can be relied on.
+// One landing of a robot of links, and how far its peak can be trusted.
 #pragma once
 
 #include "landing/body/body_run.hpp"
@@ -6,14 +6,13 @@
 
 namespace ukemi::landing {
 
-/// Drives that do not bring the robot to rest in flight, see `growth`.
+/// Drives that are unstable in flight, see `growth`.
 struct BodyInstability {
-  double rate;   ///< of what grows [1/s], > 0
-  int joint;     ///< of Robot::joints, whose rates are the largest in it
+  double rate;   ///< growth rate of the unstable mode [1/s], > 0
+  int joint;     ///< of Robot::joints, with the largest rate in that mode
   bool landing;  ///< at phi_F with the landing gains; else at phi_I
 };
-/// The faster one of both ends of a motion, as if nothing weighed and no torque were limited; absent: at rest by
-/// itself.
+/// The faster one at the two ends of a motion, without gravity and torque limits; absent: stable.
 [[nodiscard]] std::optional<BodyInstability> instability(const BodyScene& scene, const BodyMotion& motion);
 
 struct CheckedBody {
@@ -22,16 +21,16 @@ struct CheckedBody {
   BodyLanding landing;
   Sensitivity sensitivity;
   double accuracy;
-  /// The peak moves with the tolerance and not with the scene.
+  /// The peak changes with the tolerance and not with the scene.
   bool wrong() const { return sensitivity.checked && !sensitivity.right; }
 };
 
-/// The landing, then again at a hundredth of the tolerance, then that on `draws` scenes whose masses, inertias, floor
-/// and drop are moved by 1e-6 relative, up or down at random; as `sensitivity` of the paper's robot.
+/// The landing, then at a hundredth of the tolerance, then the latter on `draws` scenes with masses, inertias, floor
+/// and drop perturbed by +-1e-6 relative at random; as `sensitivity` of the paper's robot.
 [[nodiscard]] CheckedBody checked_body(const BodyScene& scene, const BodyMotion& motion,
                                        const SimulateOptions& options = {}, double rate = 0, int draws = 4);
-/// The landing of the held posture on the same drop, as exact, to stand beside it; none where nothing moves, or it
-/// cannot be followed.
-[[nodiscard]] std::optional<BodyLanding> held_beside(const CheckedBody& checked, double rate);
+/// The landing of the held posture in the same drop at the same accuracy, for comparison; absent where the motion holds
+/// it, or it cannot be followed.
+[[nodiscard]] std::optional<BodyLanding> held_landing(const CheckedBody& checked, double rate);
 
 }  // namespace ukemi::landing

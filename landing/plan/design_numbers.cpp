@@ -17,7 +17,7 @@ namespace ukemi::landing {
 
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
+constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
 
 struct DesignNumber {
   std::string name;
@@ -25,7 +25,7 @@ struct DesignNumber {
   std::function<void(BodyScene&, double)> set;
 };
 
-/// A number at the end of a path of the scene; `scale` of what files hold is SI.
+/// A number of the scene; `scale`: SI per unit of the files.
 template <class Path>
 DesignNumber number(const std::string& name, Path path, double scale = 1) {
   return {name, [=](const BodyScene& s) { return path(const_cast<BodyScene&>(s)) / scale; },
@@ -33,33 +33,33 @@ DesignNumber number(const std::string& name, Path path, double scale = 1) {
 }
 template <class Path>
 DesignNumber rating(const std::string& name, Path path) {
-  return {name, [=](const BodyScene& s) { return path(const_cast<BodyScene&>(s)).value_or(kNothing); },
+  return {name, [=](const BodyScene& s) { return path(const_cast<BodyScene&>(s)).value_or(kAbsent); },
           [=](BodyScene& s, double x) { path(s) = x; }};
 }
 
 void add_drive(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
   const Joint& joint = robot.joints[i];
-  const std::string to = "drive." + joint.name + ".";
-  const auto own = [&](const char* key, double Joint::*at, double scale = 1) {
+  const std::string prefix = "drive." + joint.name + ".";
+  const auto add = [&](const char* key, double Joint::*at, double scale = 1) {
     out.push_back(number(
-        to + key, [=](BodyScene& s) -> double& { return s.robot.joints[i].*at; }, scale));
+        prefix + key, [=](BodyScene& s) -> double& { return s.robot.joints[i].*at; }, scale));
   };
   if (joint.driven()) {
     for (const ActuatorConstant& c : actuator_constants())
-      if (joint.kind == DriveKind::kElastic || is_of_geared(c.key))
+      if (joint.kind == DriveKind::kElastic || is_geared_constant(c.key))
         out.push_back(
-            number(to + c.key, [i, at = c.at](BodyScene& s) -> double& { return s.robot.joints[i].sea.*at; }));
+            number(prefix + c.key, [i, at = c.at](BodyScene& s) -> double& { return s.robot.joints[i].sea.*at; }));
     out.push_back(rating(
-        to + "speed_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].speed_max; }));
+        prefix + "speed_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].speed_max; }));
     out.push_back(rating(
-        to + "motor_torque_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].motor_torque_max; }));
+        prefix + "motor_torque_max", [i](BodyScene & s) -> auto& { return s.robot.joints[i].motor_torque_max; }));
   } else if (joint.kind == DriveKind::kPassive) {
-    own("stiffness", &Joint::stiffness), own("damping", &Joint::damping), own("rest_deg", &Joint::rest, kDegree);
-    out.push_back(number(to + "friction", [i](BodyScene& s) -> double& { return s.robot.joints[i].sea.friction; }));
+    add("stiffness", &Joint::stiffness), add("damping", &Joint::damping), add("rest_deg", &Joint::rest, kDegree);
+    out.push_back(number(prefix + "friction", [i](BodyScene& s) -> double& { return s.robot.joints[i].sea.friction; }));
   }
   if (joint.kind == DriveKind::kLocked) return;
-  own("parallel_stiffness", &Joint::parallel_stiffness);
-  own("parallel_rest_deg", &Joint::parallel_rest, kDegree);
+  add("parallel_stiffness", &Joint::parallel_stiffness);
+  add("parallel_rest_deg", &Joint::parallel_rest, kDegree);
 }
 
 /// drive.*.KEY: a number of every driven joint that has it.
@@ -79,25 +79,24 @@ void add_all_drives(std::vector<DesignNumber>& out, const Robot& robot) {
   }
 }
 
-/// A place of the robot, as of links[1].at.
-void add_place(std::vector<DesignNumber>& out, const std::string& to, std::function<Place&(Robot&)> place) {
-  out.push_back(number(to + "along", [=](BodyScene& s) -> double& { return place(s.robot).along; }));
-  out.push_back(number(to + "across", [=](BodyScene& s) -> double& { return place(s.robot).across; }));
+/// The coordinates of a place of the robot, e.g. links[1].at.
+void add_place(std::vector<DesignNumber>& out, const std::string& prefix, std::function<Place&(Robot&)> place) {
+  out.push_back(number(prefix + "along", [=](BodyScene& s) -> double& { return place(s.robot).along; }));
+  out.push_back(number(prefix + "across", [=](BodyScene& s) -> double& { return place(s.robot).across; }));
 }
 
-/// How far along itself a link reaches from its joint: to the farthest of its children's joints, contacts and the
-/// point that counts.
+/// Length of a link from its joint to the farthest of its children's joints, its contacts and the point that counts.
 double length_of(const Robot& robot, std::size_t link) {
   double out = 0;
   for (const Place& p : places(robot, int(link))) out = std::max(out, p.along);
   return out;
 }
-/// All along it is stretched alike: joints, contacts, the point that counts, where pushes and loads act, and its
-/// matter, whose mass stays.
+/// Scales the link along its axis: joints, contacts, the point that counts, points of pushes and loads, centre of mass
+/// and inertia; the mass stays.
 void set_length(BodyScene& s, std::size_t link, double length) {
   const double factor = length / length_of(s.robot, link);
-  const auto stretch = [&](int of, Place& p) {
-    if (of == int(link)) p.along *= factor;
+  const auto stretch = [&](int owner, Place& p) {
+    if (owner == int(link)) p.along *= factor;
   };
   for (Link& l : s.robot.links) stretch(l.parent, l.at);
   for (ContactPoint& c : s.robot.contacts) stretch(c.link, c.at);
@@ -110,24 +109,24 @@ void set_length(BodyScene& s, std::size_t link, double length) {
 }
 
 void add_link(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
-  const std::string to = "robot.link." + robot.links[i].name + ".";
+  const std::string prefix = "robot.link." + robot.links[i].name + ".";
   if (length_of(robot, i) > 0)
-    out.push_back({to + "length", [i](const BodyScene& s) { return length_of(s.robot, i); },
+    out.push_back({prefix + "length", [i](const BodyScene& s) { return length_of(s.robot, i); },
                    [i](BodyScene& s, double x) { set_length(s, i, x); }});
-  if (robot.links[i].parent >= 0) add_place(out, to + "at.", [i](Robot& r) -> Place& { return r.links[i].at; });
-  out.push_back(number(to + "mass", [i](BodyScene& s) -> double& { return s.robot.links[i].mass; }));
-  out.push_back(number(to + "inertia_com", [i](BodyScene& s) -> double& { return s.robot.links[i].inertia_com; }));
-  out.push_back(number(to + "com.along", [i](BodyScene& s) -> double& { return s.robot.links[i].com.along; }));
-  out.push_back(number(to + "com.across", [i](BodyScene& s) -> double& { return s.robot.links[i].com.across; }));
+  if (robot.links[i].parent >= 0) add_place(out, prefix + "at.", [i](Robot& r) -> Place& { return r.links[i].at; });
+  out.push_back(number(prefix + "mass", [i](BodyScene& s) -> double& { return s.robot.links[i].mass; }));
+  out.push_back(number(prefix + "inertia_com", [i](BodyScene& s) -> double& { return s.robot.links[i].inertia_com; }));
+  out.push_back(number(prefix + "com.along", [i](BodyScene& s) -> double& { return s.robot.links[i].com.along; }));
+  out.push_back(number(prefix + "com.across", [i](BodyScene& s) -> double& { return s.robot.links[i].com.across; }));
 }
 
 /// Of [stop.JOINT] and [stop.rail].
 void add_stop(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i) {
   const bool rail = robot.stops[i].joint < 0;
-  const std::string to = "stop." + stop_name(robot, robot.stops[i]) + ".";
+  const std::string prefix = "stop." + stop_name(robot, robot.stops[i]) + ".";
   const auto add = [&](const char* key, auto path, double scale = 1) {
     out.push_back(number(
-        to + key, [=](BodyScene& s) -> double& { return path(s.robot.stops[i]); }, scale));
+        prefix + key, [=](BodyScene& s) -> double& { return path(s.robot.stops[i]); }, scale));
   };
   add("stiffness", [](Stop& s) -> double& { return s.stiffness; });
   add("damping", [](Stop& s) -> double& { return s.damping; });
@@ -137,20 +136,20 @@ void add_stop(std::vector<DesignNumber>& out, const Robot& robot, std::size_t i)
       rail ? "high" : "high_deg", [](Stop& s) -> double& { return s.ends[1]; }, rail ? 1 : kDegree);
 }
 
-/// "pad.thickness" of the files is pad_thickness of the table.
-std::string in_files(const std::string& key) { return key.rfind("pad_", 0) == 0 ? "pad." + key.substr(4) : key; }
-/// Constants of contacts, by the name that floor_constants knows; `to` in front of the key of files.
-DesignNumber contact_number(const std::string& to, const std::string& key, const std::string& name) {
+/// The key of files: pad.thickness for pad_thickness.
+std::string file_key(const std::string& key) { return key.rfind("pad_", 0) == 0 ? "pad." + key.substr(4) : key; }
+/// Constants of contacts, by their names in floor_constants; `prefix`: of the key of files.
+DesignNumber contact_number(const std::string& prefix, const std::string& key, const std::string& name) {
   const bool thickness = key == "pad_thickness";
-  return {to + in_files(key),
+  return {prefix + file_key(key),
           [=](const BodyScene& s) {
             const std::vector<double*> all = floor_constants(const_cast<BodyScene&>(s), name);
-            return all.empty() ? thickness ? 0 : kNothing : *all.front();
+            return all.empty() ? thickness ? 0 : kAbsent : *all.front();
           },
           [=](BodyScene& s, double value) {
             const std::vector<double*> all = floor_constants(s, name);
             if (all.empty())
-              throw InputError(to + in_files(key) + ": there is no pad: its stiffness and damping are needed");
+              throw InputError(prefix + file_key(key) + ": there is no pad: its stiffness and damping are needed");
             for (double* const x : all) *x = value;
             for (ContactPoint& c : s.robot.contacts)
               if (thickness && c.pad && c.pad->thickness == 0) c.pad.reset();
@@ -199,7 +198,7 @@ std::vector<DesignNumber> design_of(const BodyScene& scene) {
   return out;
 }
 
-DesignNumber found(const BodyScene& scene, const std::string& name) {
+DesignNumber find_number(const BodyScene& scene, const std::string& name) {
   std::vector<std::string> names;
   for (DesignNumber& n : design_of(scene)) {
     if (n.name == name) return n;
@@ -219,13 +218,13 @@ std::vector<std::string> design_names(const BodyScene& scene) {
 }
 
 std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name) {
-  return found(scene, name).set;
+  return find_number(scene, name).set;
 }
 
-double design_number(const BodyScene& scene, const std::string& name) { return found(scene, name).get(scene); }
+double design_number(const BodyScene& scene, const std::string& name) { return find_number(scene, name).get(scene); }
 
 void set_design_number(BodyScene& scene, const std::string& name, double value) {
-  found(scene, name).set(scene, value);
+  find_number(scene, name).set(scene, value);
   try {
     scene.validate();
   } catch (const InputError& e) {

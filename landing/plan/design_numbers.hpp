@@ -1,5 +1,4 @@
-// The numbers of a robot of links, its floor and its drop by the way to them in the files: what a designer may change.
-// Ours.
+// The design numbers of a robot of links, its floor and its drop, named by their paths in the files.
 #pragma once
 
 #include <functional>
@@ -17,18 +16,18 @@ namespace ukemi::landing {
 /// friction, pitch_deg; and robot.link.LINK.length, which stretches a link with all that is on it, mass kept.
 std::vector<std::string> design_names(const BodyScene& scene);
 
-/// Whether it is a drive's rating, which only plans that respect ratings keep.
+/// Whether it is a drive's rating, which matters only to plans that respect ratings.
 bool is_rating(const std::string& name);
 
-/// Sets a number of scenes like this one without a look at its range; throws InputError as design_number. For what sets
-/// many, time and again, and then asks BodyScene::validate.
+/// Sets a number of scenes like this one without checking its range; throws InputError as design_number. For repeated
+/// use; BodyScene::validate checks the result.
 std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name);
 
-/// What stands there; of several contacts the first's. NaN: nothing, as a rating that is not given or a pad that there
-/// is not. Throws InputError for a name that is not in design_names.
+/// Its value; of several contacts the first's. NaN where it is absent, as a rating that is not given or the number of a
+/// missing pad. Throws InputError for a name that is not in design_names.
 double design_number(const BodyScene& scene, const std::string& name);
 
-/// Sets it; a pad of no thickness is taken away. Throws InputError for a name that is not in design_names, a pad's
+/// Sets it; thickness 0 removes a pad. Throws InputError for a name that is not in design_names, a pad's
 /// number where there is no pad, or a value outside of the range of its key.
 void set_design_number(BodyScene& scene, const std::string& name, double value);
 

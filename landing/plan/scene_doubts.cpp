@@ -15,80 +15,80 @@ namespace ukemi::landing {
 
 namespace {
 
-/// The posture in which a robot is let go, and what is odd about it.
+/// The posture in which a robot is released, and its doubts.
 class ReleasedPosture {
  public:
   explicit ReleasedPosture(const BodyScene& scene) : scene_(scene), robot_(scene.robot), held_(held_posture(scene)) {}
   std::vector<std::string> doubts() {
-    for (const Joint& j : robot_.joints) doubt_angles(j);
+    for (const Joint& j : robot_.joints) check_angles(j);
     for (const Stop& s : robot_.stops)
-      if (s.joint >= 0) doubt_stop(s);
-    doubt_pin(), doubt_air(), doubt_pads();
+      if (s.joint >= 0) check_stop(s);
+    check_pin(), check_air(), check_pads();
     return out_;
   }
 
  private:
-  void say(std::string text) {
+  void add(std::string text) {
     if (!text.empty()) out_.push_back(std::move(text));
   }
   std::size_t index(const Joint& j) const { return std::size_t(&j - robot_.joints.data()); }
   double phi(const Joint& j) const { return j.driven() ? held_[index(j)].phi_i : j.phi; }
-  /// A pinned robot's own joint, unless it is driven, is where the pitch says.
+  /// Angle at release; of the joint of a pinned base, unless it is driven, the pitch.
   double released(const Joint& j) const {
     const bool pin = robot_.links[std::size_t(j.child)].parent < 0;
     return pin && !j.driven() ? scene_.drop.pitch : phi(j);
   }
 
-  void doubt_angles(const Joint& j) {
+  void check_angles(const Joint& j) {
     if (!j.driven()) return;
     const JointSearch& s = scene_.search[index(j)];
     const std::size_t before = out_.size();
-    if (scene_.release || s.hold) say(radians_doubt("joint " + quoted(j.name) + " is held at", phi(j) * kDegrees));
-    say(radians_doubt("search." + j.name + ".phi_deg", {s.phi[0] * kDegrees, s.phi[1] * kDegrees}));
+    if (scene_.release || s.hold) add(radians_doubt("joint " + quoted(j.name) + " is held at", phi(j) * kDegrees));
+    add(radians_doubt("search." + j.name + ".phi_deg", {s.phi[0] * kDegrees, s.phi[1] * kDegrees}));
     if (out_.size() > before || scene_.release || !s.hold || (phi(j) >= s.phi[0] && phi(j) <= s.phi[1])) return;
-    say(fmt::format("joint {} is held at {:.4g} deg, and search.{}.phi_deg is {:.4g} to {:.4g}: no plan holds it there",
+    add(fmt::format("joint {} is held at {:.4g} deg, and search.{}.phi_deg is {:.4g} to {:.4g}: no plan holds it there",
                     quoted(j.name), phi(j) * kDegrees, j.name, s.phi[0] * kDegrees, s.phi[1] * kDegrees));
   }
-  void doubt_stop(const Stop& s) {
+  void check_stop(const Stop& s) {
     const Joint& j = robot_.joints[std::size_t(s.joint)];
     const double phi = released(j), beyond = std::max(s.ends[0] - phi, phi - s.ends[1]);
     if (beyond > 0)
-      say(fmt::format("joint {} is let go at {:.4g} deg, {:.3g} deg beyond its stop: the stop throws it back",
+      add(fmt::format("joint {} is let go at {:.4g} deg, {:.3g} deg beyond its stop: the stop throws it back",
                       quoted(j.name), phi * kDegrees, beyond * kDegrees));
-    say(radians_doubt("stop." + j.name + ".phi_deg", {s.ends[0] * kDegrees, s.ends[1] * kDegrees}));
+    add(radians_doubt("stop." + j.name + ".phi_deg", {s.ends[0] * kDegrees, s.ends[1] * kDegrees}));
   }
-  /// One angle of the first link in two places; what hangs below the floor.
-  void doubt_pin() {
+  /// One angle of the first link given twice; contacts below the floor.
+  void check_pin() {
     if (robot_.base != Base::kPinned) return;
     const Joint* pin = robot_.joint_of(0);
     const double given = pin ? phi(*pin) : scene_.drop.pitch;
-    const double other = pin && pin->driven() ? scene_.drop.pitch : given;  // 0: nobody gave it
+    const double other = pin && pin->driven() ? scene_.drop.pitch : given;  // 0: not given
     if (pin && given != scene_.drop.pitch && other != 0)
-      say(fmt::format("joint {} at {:.4g} deg and drop.pitch_deg {:.4g} are one angle: the {} counts",
+      add(fmt::format("joint {} at {:.4g} deg and drop.pitch_deg {:.4g} are one angle: the {} counts",
                       quoted(pin->name), given * kDegrees, scene_.drop.pitch * kDegrees,
                       pin->driven() ? "joint's" : "drop's"));
     const Body<double, kAny> body = body_of<kAny>(robot_);
     std::vector<double> phi_of;
     for (const Joint& j : robot_.joints) phi_of.push_back(phi(j));
-    const auto pose = at_rest_in(robot_, body, scene_.drop.pitch, phi_of);
+    const auto pose = rest_pose(robot_, body, scene_.drop.pitch, phi_of);
     for (std::size_t i = 0; i < robot_.contacts.size(); ++i) {
       const ContactPoint& c = robot_.contacts[i];
       const double height =
           robot_.pin_height + position(body.contact[i], pose, body.bodies).y() - (c.pad ? c.pad->thickness : 0);
       if (scene_.floor && height < 0)
-        say(fmt::format("contact {} is let go {:.3g} m below the floor", quoted(c.name), -height));
+        add(fmt::format("contact {} is let go {:.3g} m below the floor", quoted(c.name), -height));
     }
   }
-  void doubt_air() {
+  void check_air() {
     if (!scene_.release || robot_.base == Base::kPinned || !scene_.touches()) return;
     if (const double fall = fall_time(scene_); !(scene_.release->from < fall))
-      say(fmt::format("release.from {} s: the floor comes after {:.4g} s: no joint moves in the air",
+      add(fmt::format("release.from {} s: the floor comes after {:.4g} s: no joint moves in the air",
                       shortest(scene_.release->from), fall));
   }
-  void doubt_pads() {
+  void check_pads() {
     for (const ContactPoint& c : robot_.contacts)
       if (c.pad && c.pad->thickness > reach(robot_))
-        say(fmt::format("contact {}: its pad is {:g} m thick, and the robot reaches {:.3g} m: thickness is in metres",
+        add(fmt::format("contact {}: its pad is {:g} m thick, and the robot reaches {:.3g} m: thickness is in metres",
                         quoted(c.name), c.pad->thickness, reach(robot_)));
   }
 

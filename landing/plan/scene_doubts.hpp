@@ -1,4 +1,4 @@
-// What looks wrong with a scene of a robot of links before anything falls.
+// Implausible values of a scene of a robot of links, before any simulation.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace ukemi::landing {
 
-/// `doubts` of the robot, then those of how it is let go: beyond a stop, below the floor, by two numbers that differ,
-/// with a move in the air that the floor comes before, in radians for degrees. Tests: test/legs/plans.cpp.
+/// `doubts` of the robot, then of its release: beyond a stop, below the floor, two numbers of one angle that differ, a
+/// move in the air that would start after touchdown, radians for degrees. Tests: test/legs/plans.cpp.
 std::vector<std::string> doubts(const BodyScene& scene);
 
 }  // namespace ukemi::landing

@@ -14,17 +14,17 @@ namespace ukemi::landing {
 
 namespace {
 
-/// Of a search that is one of many.
-BodyPlanOptions one_of_many(const TradeOptions& options) {
+/// Options of a single plan of the trade.
+BodyPlanOptions plan_options(const TradeOptions& options) {
   BodyPlanOptions out = options.search;
   out.fresh = 0, out.rate = 0, out.deadline.reset(), out.starts.clear();
   out.monitor = {{}, options.monitor.stop};
   return out;
 }
 
-class Trader {
+class TradePlanner {
  public:
-  Trader(const BodyScene& scene, const std::vector<TradeAxis>& axes, const TradeOptions& options, Trade& out)
+  TradePlanner(const BodyScene& scene, const std::vector<TradeAxis>& axes, const TradeOptions& options, Trade& out)
       : options_(options), out_(out) {
     std::size_t count = 1;
     for (const TradeAxis& axis : axes) count *= axis.values.size();
@@ -40,7 +40,7 @@ class Trader {
       if (options.prepare) options.prepare(s);
       out.points.push_back(std::move(point));
     }
-    judges_.resize(count);
+    goals_.resize(count);
     for (const TradeAxis& axis : axes) out.middle = out.middle * axis.values.size() + axis.values.size() / 2;
     first_ = count * options.part.index / options.part.count;
     last_ = count * (options.part.index + 1) / options.part.count;
@@ -51,14 +51,14 @@ class Trader {
     }
   }
 
-  /// A motion that a design may play; kept where it keeps the limits.
-  void know(std::size_t k, const BodyMotion& motion, const Edges& edges) {
+  /// Gives an unplanned design a motion, accepted where it is better and keeps the limits.
+  void add_start(std::size_t k, const BodyMotion& motion, const Edges& edges) {
     if (out_.points[k].plans > 0 || motion.empty()) return;
     if (const double v = value(k, motion); v < std::min(kNoMotion, out_.points[k].planned)) accept(k, motion, v, edges);
   }
 
   void run() {
-    before_ = out_.plans;
+    earlier_ = out_.plans;
     const std::size_t middle = std::clamp(out_.middle, first_, last_ - 1);
     plan_at(middle, 1);
     for (std::size_t k = middle + 1; k < last_; ++k) plan_at(k, 1);
@@ -72,8 +72,8 @@ class Trader {
   }
 
  private:
-  static constexpr double kAgain = 0.25;  // of a plan's budget: from what the neighbours have found since
-  static constexpr double kBetter = 1e-6;
+  static constexpr double kReplanShare = 0.25;  // of a plan's budget, for a search from the neighbours' motions
+  static constexpr double kMinGain = 1e-6;      // relative
 
   /// Designs one step away along an axis that have a motion.
   std::vector<std::size_t> neighbours(std::size_t k) const {
@@ -91,28 +91,28 @@ class Trader {
     return out;
   }
 
-  /// The plan of a design with this number, if it is not made: from all its neighbours' motions. A design that was
-  /// planned before its neighbours is planned again from what they found since.
+  /// Plan `number` (1 or 2) of a design, unless it is finished: from all its neighbours' motions. The second follows
+  /// once all neighbours have motions.
   void plan_at(std::size_t k, int number) {
     TradePoint& point = out_.points[k];
     if (point.plans >= number) return;
-    search(k, neighbours(k), number == 1 ? 1 : kAgain);
+    search(k, neighbours(k), number == 1 ? 1 : kReplanShare);
     if (options_.monitor.stopped()) return;
     point.plans = number;
     if (options_.done) options_.done(k, point);
   }
-  /// Searches from the motions of some designs and its own, and keeps what is better than what is known.
-  void search(std::size_t k, const std::vector<std::size_t>& from, double part) {
+  /// Searches from the motions of some designs and its own, with `share` of a plan's budget; accepts a better motion.
+  void search(std::size_t k, const std::vector<std::size_t>& from, double share) {
     if (options_.monitor.stopped()) return;
     TradePoint& point = out_.points[k];
-    BodyPlanOptions search = one_of_many(options_);
+    BodyPlanOptions search = plan_options(options_);
     const long budget = search.evaluations.value_or(search.default_evaluations(scenes_[k]));
-    search.evaluations = std::max(1L, std::lround(part * double(budget)));
+    search.evaluations = std::max(1L, std::lround(share * double(budget)));
     if (point.found()) search.starts.push_back(point.motion);
     for (const std::size_t i : from) search.starts.push_back(out_.points[i].motion);
     const BodyPlan best = plan(scenes_[k], search);
     ++out_.plans;
-    options_.monitor.progress(out_.plans, std::max(before_ + long(TradePoint::kPlans * (last_ - first_)), out_.plans));
+    options_.monitor.progress(out_.plans, std::max(earlier_ + long(TradePoint::kPlans * (last_ - first_)), out_.plans));
     if (best.held_value > 0 && best.held_keeps_limits) point.held = best.held_value;
     if (best.found && best.value < point.planned) accept(k, best.motion, best.value, best.edges);
   }
@@ -122,36 +122,36 @@ class Trader {
     point.peak = peak_acceleration(scenes_[k], motion, {.accuracy = options_.search.accuracy}).peak;
   }
 
-  /// Plays every neighbour's motion; searches from those that are better than a design's own. False: there was none.
+  /// Plays every neighbour's motion, and searches from those that are better than a design's own; false: none was.
   bool exchange() {
-    bool better = false;
+    bool improved = false;
     for (std::size_t k = first_; k < last_; ++k)
       for (const std::size_t i : neighbours(k)) {
         if (options_.monitor.stopped()) return false;
         const TradePoint& other = out_.points[i];
         const double v = value(k, other.motion);
-        if (!(v < std::min(kNoMotion, out_.points[k].planned * (1 - kBetter)))) continue;
-        better = true;
+        if (!(v < std::min(kNoMotion, out_.points[k].planned * (1 - kMinGain)))) continue;
+        improved = true;
         accept(k, other.motion, v, other.edges);
-        search(k, {i}, kAgain);
+        search(k, {i}, kReplanShare);
       }
-    return better;
+    return improved;
   }
 
-  /// What a motion is worth for a design, as its plan is judged.
+  /// The value of a motion for a design, as its plan is judged.
   double value(std::size_t k, const BodyMotion& motion) {
-    if (judges_[k].drops.empty())
-      judges_[k] = plan_goals(scenes_[k], options_.search, 1, judging_drops(options_.search)).judge;
-    const Judged result = judged(judges_[k], motion, options_.search);
+    if (goals_[k].drops.empty())
+      goals_[k] = plan_goals(scenes_[k], options_.search, 1, judging_drops(options_.search)).judge;
+    const Judged result = judged(goals_[k], motion, options_.search);
     return result.keeps_limits ? result.value : kNoMotion;
   }
 
   const TradeOptions& options_;
   Trade& out_;
-  long before_ = 0;  ///< plans that were made before the designs'
+  long earlier_ = 0;  ///< plans before those of the designs
   std::vector<BodyScene> scenes_;
-  std::size_t first_ = 0, last_ = 0;  ///< the designs of this part: from one to before the other
-  std::vector<BodyGoal> judges_;      ///< of the designs that neighbours' motions were played on
+  std::size_t first_ = 0, last_ = 0;  ///< the designs of this part, [first, last)
+  std::vector<BodyGoal> goals_;       ///< by design, set when first used
 };
 
 void check(const std::vector<TradeAxis>& axes, const TradeOptions& options) {
@@ -165,8 +165,8 @@ void check(const std::vector<TradeAxis>& axes, const TradeOptions& options) {
     throw InputError(fmt::format("{} known designs: {} are needed", options.known.size(), count));
 }
 
-/// A scene with a load that has this name.
-std::size_t load_of(BodyScene& scene, const std::string& name) {
+/// Index of the load of this name; "peak" is added where the scene has none.
+std::size_t find_or_add_load(BodyScene& scene, const std::string& name) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
     if (scene.loads[i].name == name && scene.loads[i].kind != Load::Kind::kTouch) return i;
@@ -180,50 +180,50 @@ std::size_t load_of(BodyScene& scene, const std::string& name) {
   return scene.loads.size() - 1;
 }
 
-/// A scene that has both loads of a front, neither of them a limit.
-BodyScene with_both(BodyScene scene, const std::string& cost, const std::string& limited) {
+/// The scene with both loads of a front, neither of them a limit.
+BodyScene with_both_loads(BodyScene scene, const std::string& cost, const std::string& limited) {
   if (cost == limited) throw InputError("front: " + quoted(cost) + ": two loads are needed");
-  scene.loads[load_of(scene, cost)].limit = false;
-  scene.loads[load_of(scene, limited)].limit = false;
+  scene.loads[find_or_add_load(scene, cost)].limit = false;
+  scene.loads[find_or_add_load(scene, limited)].limit = false;
   return scene;
 }
 
-/// A scene whose plans make one load small, in its own unit, and keep the limits of the others.
-BodyScene alone(BodyScene scene, const std::string& name) {
+/// The scene whose plans minimise one load, in its unit, and keep the limits of the others.
+BodyScene minimising(BodyScene scene, const std::string& name) {
   for (Load& l : scene.loads)
     if (l.name == name) l.limit = false, l.rating = 1;
   std::erase_if(scene.loads, [&](const Load& l) { return l.name != name && !l.limit; });
   return scene;
 }
 
-/// The options by which a load is worth what a limit of it would have to be: as limits are kept, in the whole execution
-/// box, under scatter in a share of the drops.
-void as_kept(BodyPlanOptions& search) {
+/// Measures a load as limits are checked: in the whole execution box, under scatter in the required share of drops; its
+/// value is then the smallest limit that it keeps.
+void measure_as_limit(BodyPlanOptions& search) {
   if (search.measure) {
     const double share = search.share.value_or(search.measure->share());
     search.measure = share < 1 ? Measure{Measure::Kind::kQuantile, share} : Measure{Measure::Kind::kWorst};
   } else if (search.goal != Goal::kTolerant) {
-    constexpr long kBox = 8;  // landings of it, of which many are cut short
+    constexpr long kBox = 8;  // mean number of landings of a box, as many are cut short
     search.goal = Goal::kTolerant;
     if (search.evaluations) search.evaluations = std::max(1L, *search.evaluations / kBox);
   }
 }
 
-/// A limit is a cliff to a search. So for each value that a load may have, both loads are weighed against that value
-/// and what the other may come to there: the motion that makes the larger part small is near the front.
-BodyScene weighed(BodyScene both, const std::string& cost, double may_cost, const std::string& limited, double may_have,
-                  const std::function<void(BodyScene&)>& prepare) {
+/// A weighted minimax without the cliff of a limit: minimises the larger of cost / cost_scale and
+/// limited / limited_scale. Its motions are near the front.
+BodyScene weighted(BodyScene both, const std::string& cost, double cost_scale, const std::string& limited,
+                   double limited_scale, const std::function<void(BodyScene&)>& prepare) {
   for (Load& l : both.loads) {
-    if (l.name == cost) l.rating = may_cost;
-    if (l.name == limited) l.rating = may_have;
+    if (l.name == cost) l.rating = cost_scale;
+    if (l.name == limited) l.rating = limited_scale;
   }
   std::erase_if(both.loads, [&](const Load& l) { return l.name != cost && l.name != limited && !l.limit; });
   if (prepare) prepare(both);
   return both;
 }
 
-/// The motions that a front starts from, one for each of its designs: those of its ends, that make one load small
-/// alone, and what weighs both between them. Told and known as the designs are, behind them.
+/// Starts of a front, one for each of its designs: at the ends those that minimise one load alone, weighted ones
+/// between them. Known and reported as the designs are, at indices count + design.
 class FrontStarts {
  public:
   FrontStarts(std::size_t count, const TradeOptions& options, long& plans)
@@ -232,7 +232,7 @@ class FrontStarts {
       throw InputError(fmt::format("{} known points: {} are needed", options.known.size(), 2 * count));
   }
 
-  /// The start of a design: as it is known, else as it is planned.
+  /// The start of a design: the known one, else planned.
   TradePoint start(std::size_t design, const std::function<BodyPlan()>& plan) {
     const std::size_t index = count_ + design;
     if (!options_.known.empty() && options_.known[index].plans > 0) return options_.known[index];
@@ -247,7 +247,7 @@ class FrontStarts {
     if (!stopped && options_.done) options_.done(index, out);
     return out;
   }
-  /// Of an end.
+  /// The start of one of the two end designs.
   TradePoint end(std::size_t design, const BodyScene& scene, const BodyPlanOptions& search) {
     return start(design, [&] { return plan(scene, search); });
   }
@@ -261,56 +261,56 @@ class FrontStarts {
 }  // namespace
 
 void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited) {
-  (void)with_both(scene, cost, limited);
+  (void)with_both_loads(scene, cost, limited);
 }
 
 Front pareto(const BodyScene& scene, const std::string& cost, const std::string& limited, std::size_t count,
              const TradeOptions& options) {
-  constexpr double kRoom = 1e-3;  // a limit that only one motion just keeps is no limit to plan within
+  constexpr double kMargin = 1e-3;  // of a limit, so that more than one motion keeps it
   scene.validate(), options.search.validate();
   if (count < 2) throw InputError("front: two designs or more are needed");
-  const BodyScene both = with_both(scene, cost, limited);
-  Front out{alone(both, cost), {}};
-  BodyScene other = alone(both, limited);
+  const BodyScene both = with_both_loads(scene, cost, limited);
+  Front out{minimising(both, cost), {}};
+  BodyScene other = minimising(both, limited);
   if (options.prepare) options.prepare(other), options.prepare(out.scene);
   FrontStarts starts(count, options, out.trade.plans);
 
-  BodyPlanOptions search = one_of_many(options);
-  const TradePoint of_cost = starts.end(count - 1, out.scene, search);
-  const BodyGoal by_cost = plan_goals(out.scene, search, 1, judging_drops(search)).judge;
-  const auto cost_of = [&, as_planned = search](const BodyMotion& m) { return judged(by_cost, m, as_planned).value; };
-  as_kept(search);
-  const TradePoint of_other = starts.end(0, other, search);
+  BodyPlanOptions search = plan_options(options);
+  const TradePoint cost_end = starts.end(count - 1, out.scene, search);
+  const BodyGoal cost_goal = plan_goals(out.scene, search, 1, judging_drops(search)).judge;
+  const auto cost_of = [&, o = search](const BodyMotion& m) { return judged(cost_goal, m, o).value; };
+  measure_as_limit(search);
+  const TradePoint limited_end = starts.end(0, other, search);
   const bool stopped = options.monitor.stopped();
-  const double low = of_other.planned;
-  const double dearest = stopped ? 0 : std::min(cost_of(of_other.motion), of_cost.held);
-  double high = low;  // where it was stopped: before its ends are known
-  if (!stopped) high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, of_cost.motion, search).value;
+  const double low = limited_end.planned;
+  const double highest_cost = stopped ? 0 : std::min(cost_of(limited_end.motion), cost_end.held);
+  double high = low;  // if stopped before the ends are known
+  if (!stopped) high = judged(plan_goals(other, search, 1, judging_drops(search)).judge, cost_end.motion, search).value;
 
-  const Load kept =
+  const Load limit =
       *std::find_if(both.loads.begin(), both.loads.end(), [&](const Load& l) { return l.name == limited; });
-  out.scene.loads.push_back(kept), out.scene.loads.back().limit = true;
-  TradeAxis axis{"load." + limited + ".rating", {low * (1 + kRoom)}};
+  out.scene.loads.push_back(limit), out.scene.loads.back().limit = true;
+  TradeAxis axis{"load." + limited + ".rating", {low * (1 + kMargin)}};
   for (std::size_t i = 1; low < high && i < count; ++i)
-    axis.values.push_back((low + (high - low) * double(i) / double(count - 1)) * (1 + kRoom));
+    axis.values.push_back((low + (high - low) * double(i) / double(count - 1)) * (1 + kMargin));
   const std::size_t designs = axis.values.size();
-  TradeOptions along = options;
-  if (!along.known.empty()) along.known.resize(designs);
-  if (designs < count) along.part = {};
-  check({axis}, along);
-  Trader trader(out.scene, {axis}, along, out.trade);
+  TradeOptions axis_options = options;
+  if (!axis_options.known.empty()) axis_options.known.resize(designs);
+  if (designs < count) axis_options.part = {};
+  check({axis}, axis_options);
+  TradePlanner planner(out.scene, {axis}, axis_options, out.trade);
   if (stopped) return out;
-  trader.know(0, of_other.motion, of_other.edges);
-  trader.know(designs - 1, of_cost.motion, of_cost.edges);
-  for (std::size_t i = 1; low < high && dearest > 0 && i + 1 < designs; ++i) {
-    const double may_cost = dearest + double(i) / double(designs - 1) * (of_cost.planned - dearest);
+  planner.add_start(0, limited_end.motion, limited_end.edges);
+  planner.add_start(designs - 1, cost_end.motion, cost_end.edges);
+  for (std::size_t i = 1; low < high && highest_cost > 0 && i + 1 < designs; ++i) {
+    const double cost_scale = highest_cost + double(i) / double(designs - 1) * (cost_end.planned - highest_cost);
     const TradePoint between = starts.start(
-        i, [&] { return plan(weighed(both, cost, may_cost, limited, axis.values[i], options.prepare), search); });
-    for (std::size_t k = 0; k < designs; ++k) trader.know(k, between.motion, between.edges);
+        i, [&] { return plan(weighted(both, cost, cost_scale, limited, axis.values[i], options.prepare), search); });
+    for (std::size_t k = 0; k < designs; ++k) planner.add_start(k, between.motion, between.edges);
   }
-  trader.run();
+  planner.run();
   for (std::size_t k = designs; options.done && k < count && !options.monitor.stopped(); ++k)
-    options.done(k, out.trade.points[0]);  // they all are the one
+    options.done(k, out.trade.points[0]);  // a single design
   return out;
 }
 
@@ -318,13 +318,13 @@ Trade trade(const BodyScene& scene, const std::vector<TradeAxis>& axes, const Tr
   scene.validate(), options.search.validate();
   if (axes.empty() || axes.size() > 2) throw InputError(fmt::format("{} axes: one or two are needed", axes.size()));
   for (const TradeAxis& axis : axes) {
-    const auto falls = std::adjacent_find(axis.values.begin(), axis.values.end(), std::greater_equal<>());
-    if (axis.values.size() < 2 || falls != axis.values.end())
+    const auto not_increasing = std::adjacent_find(axis.values.begin(), axis.values.end(), std::greater_equal<>());
+    if (axis.values.size() < 2 || not_increasing != axis.values.end())
       throw InputError(axis.name + ": two values or more that rise are needed");
   }
   check(axes, options);
   Trade out;
-  Trader(scene, axes, options, out).run();
+  TradePlanner(scene, axes, options, out).run();
   return out;
 }
 

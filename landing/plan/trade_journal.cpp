@@ -10,7 +10,7 @@ namespace ukemi::landing {
 namespace {
 
 // A record is a row of doubles: design, plans, held, planned, peak, edges, whether there is a motion, and of each joint
-// what it does in the air (whether, phi, rate, from) and motion_numbers.
+// its move in the air (whether, phi, rate, from) and motion_numbers.
 
 std::vector<double> row_of(std::size_t design, const TradePoint& p, std::size_t joints) {
   std::vector<double> row{double(design), double(p.plans), p.held, p.planned, p.peak};
@@ -20,8 +20,8 @@ std::vector<double> row_of(std::size_t design, const TradePoint& p, std::size_t 
     Motion m = p.found() ? p.motion[j] : Motion{};
     const Reposition moves = m.reposition.value_or(Reposition{});
     row.insert(row.end(), {double(m.reposition.has_value()), moves.phi, moves.rate, moves.from});
-    double none = 0;
-    for (const double* x : motion_numbers(m, none)) row.push_back(*x);
+    double unused = 0;
+    for (const double* x : motion_numbers(m, unused)) row.push_back(*x);
   }
   return row;
 }
@@ -37,8 +37,8 @@ TradePoint point_of(const std::vector<double>& row, std::size_t joints) {
   for (Motion& m : p.motion = BodyMotion(joints)) {
     if (*next++ != 0) m.reposition = {.phi = next[0], .rate = next[1], .from = next[2]};
     next += 3;
-    double none = 0;
-    for (double* x : motion_numbers(m, none)) *x = *next++;
+    double unused = 0;
+    for (double* x : motion_numbers(m, unused)) *x = *next++;
   }
   return p;
 }

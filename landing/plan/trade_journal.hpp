@@ -1,4 +1,4 @@
-// Designs of a trade as they are planned, on the disk before the next one is begun.
+// Journal of a trade: each planned design is on the disk before the next one begins.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@ namespace ukemi::landing {
 
 class TradeJournal {
  public:
-  /// Takes what an earlier run left there into `points`, of which there are as many as designs. Throws InputError as
-  /// Journal: of a trade with another identity (16 characters), or in use. `joints`: of the robot.
+  /// Restores the records of an earlier run into `points`, one for each design. Throws InputError as Journal: another
+  /// identity (16 characters), or in use. `joints`: of the robot.
   TradeJournal(const std::string& path, const std::string& identity, std::size_t joints, std::span<TradePoint> points);
   /// Throws InputError with the system's reason.
   void add(std::size_t design, const TradePoint& point);

@@ -1,5 +1,4 @@
-// One landing from event to event: the loop that every method and every kernel shares. Included by what compiles
-// kernels (kernels.hpp, methods.cpp), by no other.
+// One landing from event to event: the loop of all methods and kernels. Included only by kernels.hpp and methods.cpp.
 #pragma once
 
 #include <algorithm>
@@ -13,14 +12,14 @@
 
 namespace ukemi::landing {
 
-/// Whether the state at t breaks the limits of steps.
+/// Whether the state at t breaks the limits.
 template <class System>
-bool breaks(const System& system, const Limits& limits, double t, const typename System::State& y) {
+bool breaks_limits(const System& system, const Limits& limits, double t, const typename System::State& y) {
   const SeaState<double> s = system.sea_state(y);
   return limits.broken_by(s, system.motor_torque_of(t, y));
 }
 
-/// Follows one landing with `Method` and the kernel of `kTerms`; with kReport, everything that a report needs.
+/// Simulates one landing with `Method` and the kernel of `kTerms`; with kReport records everything that a report needs.
 template <class Method, LandingTerms kTerms, bool kReport>
 class Follower {
   using System = LandingSystem<kTerms, kReport>;
@@ -41,9 +40,9 @@ class Follower {
   void follow() {
     State y = released(system_, scene_, scene_.drop, motion_);
     if constexpr (kReport) recorder_.start(system_, 0, y);
-    if (schedule_.ballistic()) fly_down(y);
+    if (schedule_.ballistic()) fly_ballistic(y);
     t_ = schedule_.start();
-    if (schedule_.flies_on()) {
+    if (schedule_.ends_in_flight()) {
       if constexpr (kReport) recorder_.row(system_, t_, y);
       return finish(End::kNoContact, y);
     }
@@ -51,9 +50,9 @@ class Follower {
                           {.accuracy = step_accuracy(options_.accuracy, system_.sea),
                            .first_step = std::min(options_.max_step, schedule_.first_step()),
                            .max_step = options_.max_step});
-    system_.change(schedule_.opening(system_), motion_, t_);
+    system_.change(schedule_.initial_change(system_), motion_, t_);
     system_.settle(t_, y);
-    impact_ = impact_energy(system_);
+    impact_energy_ = impact_energy(system_);
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(integrator, n);
     out_.work = integrator.counters();
@@ -61,24 +60,24 @@ class Follower {
   }
 
  private:
-  /// The first flight in closed form, peak g.
-  void fly_down(State& y) {
+  /// The first flight in closed form; its peak is g.
+  void fly_ballistic(State& y) {
     const double g = system_.link.gravity, until = schedule_.start();
     peak_.consider(g * g, 0);
     if constexpr (kReport) recorder_.ballistic(system_, scene_.drop, y, until);
     fly(system_, scene_, until, y);
   }
 
-  /// One step, and what it means for the landing: how the run ended, if it did.
+  /// Takes a step and handles its event or deadline. Returns how the run ended, if it did.
   std::optional<End> advance(Integrator& integrator, long n) {
-    if (system_.phase == Phase::kMoving) integrator.limit_next_step(schedule_.motion_part());
+    if (system_.phase == Phase::kMoving) integrator.limit_next_step(schedule_.motion_max_step());
     const integrate::Outcome outcome = integrator.step(schedule_.stop());
     t_ = integrator.time();
     out_.status = outcome.status;
-    if (n >= options_.max_steps) return failed(Failure::kSteps);
-    if (outcome.status > integrate::Status::kEvent) return failed(Failure::kIntegration);
+    if (n >= options_.max_steps) return fail(Failure::kSteps);
+    if (outcome.status > integrate::Status::kEvent) return fail(Failure::kIntegration);
     if (!outcome.immediate && integrator.step().h > 0)
-      if (const auto end = look(integrator)) return end;
+      if (const auto end = check_step(integrator)) return end;
     if (peak_.square > options_.abandon_above * options_.abandon_above) return End::kAbandoned;
     if (options_.stopped(n)) return End::kStopped;
     if (outcome.event >= 0) return cross(integrator, outcome.event);
@@ -87,34 +86,33 @@ class Follower {
       if (deadline.end) return deadline.end;
       if (!change(integrator, deadline.change)) return End::kBroken;
     }
-    const bool asked = options_.rest == SimulateOptions::Rest::kStop;
-    if (asked && at_rest(system_, integrator.state(), peak_.square, impact_)) return End::kRest;
+    const bool may_rest = options_.rest == SimulateOptions::Rest::kStop;
+    if (may_rest && at_rest(system_, integrator.state(), peak_.square, impact_energy_)) return End::kRest;
     return std::nullopt;
   }
 
-  /// The peak of the step just taken, and its limits.
-  std::optional<End> look(Integrator& integrator) {
+  /// Tracks the peak and checks the limits in the last step.
+  std::optional<End> check_step(Integrator& integrator) {
     const double before = peak_.square;
-    if (!peak_.step(system_, integrator)) return failed(Failure::kUnresolved);
+    if (!peak_.step(system_, integrator)) return fail(Failure::kUnresolved);
     if constexpr (kTerms.sea.extended) {
       const SeaState<double> s = system_.sea_state(integrator.state());
-      if (gives_way(system_.sea.k_sea, system_.sea.k_sea_cubic, s.phi_m - s.phi)) return failed(Failure::kGivesWay);
+      if (gives_way(system_.sea.k_sea, system_.sea.k_sea_cubic, s.phi_m - s.phi)) return fail(Failure::kGivesWay);
     }
     if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
     const State& y = integrator.state();
     out_.joint_lost = out_.joint_lost || std::abs(y[kTheta1] - y[kTheta0]) > kLostJoint;
-    if (options_.limits.within_steps() && breaks(system_, options_.limits, t_, y)) return End::kBroken;
+    if (options_.limits.within_steps() && breaks_limits(system_, options_.limits, t_, y)) return End::kBroken;
     if constexpr (kReport) recorder_.step(system_, integrator);
     return std::nullopt;
   }
 
-  /// The reference turns at a deadline. The field jumps with it where the landing motion begins. False where that
-  /// breaks a limit.
+  /// Changes the reference at a deadline; the field jumps if the landing motion starts. False if that breaks a limit.
   bool change(Integrator& integrator, ReferenceChange to) {
     if (to == ReferenceChange::kNone) return true;
     if (to == ReferenceChange::kLand && options_.limits.broken_by(motion_, t_)) return false;
     system_.change(to, motion_, t_);
-    if (to == ReferenceChange::kHold) return true;
+    if (to == ReferenceChange::kHoldFinal) return true;
     settle(integrator, -1);
     peak_.jump();
     if constexpr (kReport) recorder_.jump();
@@ -139,14 +137,14 @@ class Follower {
     return std::nullopt;
   }
 
-  /// The field has jumped, beyond guard `event` or at a deadline.
+  /// Settles friction and restarts the integrator after guard `event`, or (-1) after a deadline.
   void settle(Integrator& integrator, int event) {
     State y = integrator.state();
     system_.settle(event, t_, y);
     integrator.refresh(y);
   }
 
-  End failed(Failure why) {
+  End fail(Failure why) {
     out_.failure = why;
     return End::kFailed;
   }
@@ -166,7 +164,7 @@ class Follower {
   Schedule schedule_;
   std::conditional_t<kReport, Recorder<System>, NoRecorder> recorder_;
   PeakTracker peak_;
-  double t_ = 0, impact_ = 0;  ///< impact_: see impact_energy
+  double t_ = 0, impact_energy_ = 0;  ///< see impact_energy
 };
 
 }  // namespace ukemi::landing

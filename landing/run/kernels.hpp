@@ -1,5 +1,4 @@
-// The small set of kernels, and which one a scene runs. Included by the files that compile them (peak.cpp,
-// simulate.cpp).
+// The kernels, and the choice of one for a scene. Included by the files that compile them (peak.cpp, simulate.cpp).
 #pragma once
 
 #include "common/integrate/automatic.hpp"

@@ -1,4 +1,4 @@
-// One landing: released, in flight, through its contacts, to rest.
+// One landing: release, flight, contacts, rest.
 #pragma once
 
 #include <algorithm>
@@ -29,53 +29,53 @@ enum class End {
   kTimeLimit,  ///< at t_end
   kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
   kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
-  kStopped,    ///< SimulateOptions::over said so: `peak` is a lower bound
-  kBroken,     ///< a limit of SimulateOptions::limits was passed: `peak` says nothing
-  kFailed,     ///< the numbers did not work out; `failure` says why, the result so far is kept
+  kStopped,    ///< by SimulateOptions::over: `peak` is a lower bound
+  kBroken,     ///< a limit of SimulateOptions::limits was broken: `peak` is meaningless
+  kFailed,     ///< see `failure`; the result so far is kept
 };
 const char* name(End end);
-/// Whether a run that ended so says nothing of a landing's peak.
+/// Whether the peak of a run with this end is not that of a landing.
 constexpr bool no_landing(End end) { return end == End::kNoContact || end == End::kBroken || end == End::kFailed; }
 
 /// Why a run failed.
 enum class Failure : unsigned char {
   kNone,
-  kIntegration,  ///< the integrator stopped; LandingPeak::status says why
+  kIntegration,  ///< the integrator stopped; see LandingPeak::status
   kSteps,        ///< more than SimulateOptions::max_steps
-  kUnresolved,   ///< |ddr_0| inside a step is far above its ends: a peak that the step does not resolve
-  kGivesWay,     ///< a spring that softens was bent to where it no longer resists
-  kUnbalanced,   ///< the energy balance does not close: motion and forces do not belong together
+  kUnresolved,   ///< |ddr_0| inside a step is far above its ends: the step does not resolve the peak
+  kGivesWay,     ///< a softening spring was deflected to where its stiffness vanishes
+  kUnbalanced,   ///< the energy balance does not close
 };
 
-/// A touchdown of a point within this time of its last lift-off is chatter: it opens no interval of Peak [s].
+/// A touchdown of a point within this time of its last lift-off is chatter: it starts no interval of Peak [s].
 inline constexpr double kChatter = 0.01;
 
-/// A joint that is so far from straight has turned right round: its drive has lost it [rad].
+/// Beyond this |phi_1| the joint has made a full turn and its drive has lost it [rad].
 inline constexpr double kLostJoint = 6.283185307179586;
 
-/// What a landing must not do. A run ends where it first does.
+/// Limits on a landing. A run ends where it first breaks one.
 struct Limits {
   std::array<bool, kPoints> forbidden{};                          ///< points that must never touch
   double motor_speed = std::numeric_limits<double>::infinity();   ///< of |dphi_m| [rad/s], >= 0
   double motor_torque = std::numeric_limits<double>::infinity();  ///< of |tau_mot| [Nm], >= 0
   /// Range of the joint angle phi_1 [rad].
   std::array<double, 2> joint{-std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-  /// Largest |dphi_ref| [rad/s]. A landing breaks it where the floor cuts the move in the air short and the motion from
-  /// there is quicker; what is planned is known without a landing, see peak_reference_rate.
+  /// Maximum |dphi_ref| [rad/s]. A landing breaks it if a touchdown interrupts the move in the air and the motion from
+  /// there is too fast; for the planned rate see peak_reference_rate.
   double reference_rate = std::numeric_limits<double>::infinity();
   void validate() const;  ///< throws InputError
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
   bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
   bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
   bool any() const { return any_forbidden() || within_steps() || std::isfinite(reference_rate); }
-  /// Whether steps must be looked at.
+  /// Whether states must be checked in every step.
   bool within_steps() const { return rated() || joint_stops(); }
-  /// Whether a landing motion that starts so long after the release breaks them.
+  /// Whether a landing motion that starts `start` after release breaks them [s].
   bool broken_by(const Motion& m, double start) const {
     return m.reposition && start < m.reposition->to && std::isfinite(reference_rate) &&
            peak_reference_rate(m, start) > reference_rate;
   }
-  /// Whether a state breaks them, the motor pulling with `torque` [Nm]; lane by lane for packs.
+  /// Whether a state with the motor torque `torque` [Nm] breaks them; by lane for packs.
   template <class T>
   auto broken_by(const SeaState<T>& s, const T& torque) const {
     using std::abs;
@@ -89,19 +89,19 @@ struct SimulateOptions {
   double accuracy = 1e-9;
   double abandon_above =
       std::numeric_limits<double>::infinity();  ///< give up once the running peak is above this [m/s^2], >= 0
-  long max_steps = 200'000;                     ///< steps and events before a run is given up
-  double max_step = 0.1;                        ///< longest step; the step of a fixed-step method [s], > 0
+  long max_steps = 200'000;                     ///< maximum steps and events of a run
+  double max_step = 0.1;                        ///< maximum step; the step of a fixed-step method [s], > 0
   Limits limits;
-  integrate::Method method{};                             ///< auto; others for comparison, see follow_with_method
-  std::vector<double>* touchdowns = nullptr;              ///< receives the time of every touchdown, from release [s]
-  const std::function<bool()>* over = nullptr;            ///< asked every few dozen steps, if set: true ends the run
-  enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: follow to t_end whatever happens
+  integrate::Method method{};                   ///< auto; others for comparison, see follow_with_method
+  std::vector<double>* touchdowns = nullptr;    ///< if set, receives the times of touchdowns, from release [s]
+  const std::function<bool()>* over = nullptr;  ///< if set, polled every few dozen steps: true ends the run
+  enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: no rest test, run to t_end
   void validate() const;                                  ///< throws InputError
-  /// Asks `over` at every so many steps, some tens of microseconds.
+  /// Polls `over` every 32 steps, some tens of microseconds.
   bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
 };
 
-/// The points in the order in which they touch, without chatter (kChatter); as many as fit.
+/// The sequence of touchdowns by point, without chatter (kChatter), up to kCapacity.
 class ContactOrder {
  public:
   static constexpr int kCapacity = 30;
@@ -113,9 +113,9 @@ class ContactOrder {
     if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
   }
   void liftoff(Point p, double t) { lifted_[p] = t; }
-  /// When the first point touched, from release; infinite if none did [s].
+  /// Time of the first touchdown, from release; infinite if none [s].
   double first() const { return first_; }
-  /// Whether a point touched at all, chatter and what no longer fits included.
+  /// Whether a point touched at all, chatter and touchdowns beyond kCapacity included.
   bool touched(Point p) const { return touched_[p]; }
 
  private:
@@ -127,11 +127,11 @@ class ContactOrder {
   std::array<bool, kPoints> touched_{};
 };
 
-/// How a landing went, whatever fell.
+/// The outcome of a landing of any robot.
 struct RunEnd {
-  double peak = 0;    ///< f(x) of Eq. 6: max over time of the acceleration that counts, |ddr_0| of [1] [m/s^2]
-  double t_peak = 0;  ///< when, from release [s]
-  double t_end = 0;   ///< how long the run was followed, from release [s]
+  double peak = 0;    ///< f(x) of Eq. 6: maximum acceleration of the peak point, |ddr_0| of [1] [m/s^2]
+  double t_peak = 0;  ///< time of the peak, from release [s]
+  double t_end = 0;   ///< end of the run, from release [s]
   End end = End::kFailed;
   Failure failure = Failure::kNone;                        ///< with kFailed
   integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
@@ -140,29 +140,28 @@ struct RunEnd {
 /// Why a landing failed, in words.
 const char* reason(const RunEnd& run);
 
-/// What a search needs of a landing. Nothing in it allocates.
+/// The result of a landing for a search; without allocation.
 struct LandingPeak : RunEnd {
-  ContactOrder contacts;    ///< touchdowns
-  int peak_contact = -1;    ///< which of them opened the interval that holds the peak; -1: before the first
-  bool joint_lost = false;  ///< |phi_1| went beyond kLostJoint where a step ended: the peak is that of a whirling link
-  std::array<double, kMechanical> state{};  ///< where it ended, see landing::Component
+  ContactOrder contacts;                    ///< touchdowns
+  int peak_contact = -1;                    ///< the last one before the peak; -1: none
+  bool joint_lost = false;                  ///< |phi_1| exceeded kLostJoint at the end of a step: the link whirls
+  std::array<double, kMechanical> state{};  ///< at the end, see landing::Component
 };
 
-/// A point meets the floor and leaves it.
+/// One touch of a point, from touchdown to lift-off.
 struct Touch {
   int point;              ///< a Point; of a robot of links, of Robot::contacts
   double t_touchdown;     ///< from release [s]
-  double t_liftoff;       ///< when it rises through its surface, y = 0, again [s]; NaN if it never does
+  double t_liftoff;       ///< when it rises through y = 0 again [s]; NaN if it never does
   double peak_force = 0;  ///< largest |F_j| of this contact [N]
   double peak_acc = 0;    ///< largest |ddr_0| from this touchdown to the next one of any point [m/s^2]
 };
 
-/// The largest |ddr_0| of an interval between touchdowns, as Figs. 6 and 7 of [1] number them. Chatter
-/// opens none.
+/// The largest |ddr_0| between touchdowns, as numbered in Figs. 6 and 7 of [1]; chatter starts no interval.
 struct Peak {
   double t;             ///< [s]
   double acceleration;  ///< [m/s^2]
-  int point;            ///< Point that opened the interval; -1: before the first touchdown
+  int point;            ///< Point whose touchdown started the interval; -1: before the first
 };
 
 /// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
@@ -171,7 +170,7 @@ struct Sample {
   std::array<std::array<double, 2>, kPoints> force;  ///< of the floor on each point, along x and y [N]
 };
 
-/// Largest values that an actuator must stand, over the whole run.
+/// Largest values of the actuator over the whole run.
 struct Demands {
   double motor_speed = 0;           ///< max |dphi_m| [rad/s]
   double motor_torque = 0;          ///< max |tau_mot| [Nm]
@@ -187,20 +186,20 @@ struct Landing : LandingPeak {
   Demands demands;
   double energy_residual = 0;  ///< mismatch of the energy check over the energy turned over
 };
-/// The largest energy residual of a landing that counts as right: steps that keep to the accuracy stay far below it.
+/// Maximum energy residual of a valid landing; steps that keep the accuracy stay far below it.
 inline double energy_tolerance(double accuracy) { return std::clamp(1e3 * accuracy, 1e-6, 1.0); }
 
-// What follows throws InputError for a scene, an actuator, a motion or options that break the ranges of their fields.
+// The functions below throw InputError for a scene, actuator, motion or options outside the ranges of their fields.
 
-/// What they throw for the first three.
+/// Throws InputError for an invalid scene, actuator or motion.
 void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
 
 /// f(x) of one motion: closed-form flight, then the hybrid system from event to event (Sec. 2, 4 of [1]). Peaks are
-/// taken at right and left limits of events and inside steps. Deterministic. A run that fails is a status.
+/// taken at right and left limits of events and inside steps. Deterministic. A failed run is reported in the result.
 [[nodiscard]] LandingPeak peak_acceleration(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                             const SimulateOptions& options = {});
 
-/// When the first point touches the floor, from release [s]; infinite if none does within the flight limit.
+/// Time of the first touchdown, from release [s]; infinite if there is none within the flight limit.
 [[nodiscard]] double first_touchdown(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
 
 /// The run of `peak_acceleration` with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory:

@@ -1,4 +1,4 @@
-// The fast path of a landing: its peak alone, no report.
+// The fast path of a landing: only its peak.
 #include "landing/model/release.hpp"
 #include "landing/run/kernels.hpp"
 

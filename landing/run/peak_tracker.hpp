@@ -1,4 +1,4 @@
-// Finds the largest |ddr_0| of a run: at both limits of every step, and inside the steps that could hold a larger one.
+// Finds the largest |ddr_0| of a run: at both ends of every step, and inside steps that could hold a larger value.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// Keeps the largest |ddr_0|^2 of the steps that it is given.
+/// The largest |ddr_0|^2 of the steps so far, and its time.
 class PeakTracker {
  public:
   double square = 0, t = 0;
@@ -19,20 +19,20 @@ class PeakTracker {
   }
   void reset() { square = 0; }
   /// The field has jumped: the next step's start is not the last one's end.
-  void jump() { known_ = false; }
+  void jump() { has_last_ = false; }
 
-  /// Both ends of the step (their limits from inside it) and its interior where that could hold a larger value. False
-  /// where the interior holds what the ends rule out: forces do not rise and fall so within a step that resolves them.
+  /// Checks both ends of the step (their limits from inside) and, if it could hold a larger value, its interior. False
+  /// if the interior is so far above the ends that the step does not resolve the forces.
   template <class System, class Integrator>
   [[nodiscard]] bool step(const System& system, Integrator& integrator) {
     const auto& step = integrator.step();
     const double q1 = system.peak_square(step.y_end, step.slope_end),
-                 q0 = known_ ? last_ : system.peak_square(step.y, step.slope);
-    known_ = true, last_ = q1;
+                 q0 = has_last_ ? last_ : system.peak_square(step.y, step.slope);
+    has_last_ = true, last_ = q1;
     const double before = square;
     consider(q0, step.t);
     consider(q1, step.t + step.h);
-    if (kDoubles * kDoubles * std::max(q0, q1) < square || step.h <= 0) return true;
+    if (kMaxGrowth * kMaxGrowth * std::max(q0, q1) < square || step.h <= 0) return true;
     const auto f = [&](double s) {
       const auto y = integrator.dense().at(s);
       const double time = step.t + s * step.h;
@@ -45,31 +45,31 @@ class PeakTracker {
     for (int i = 0; i + 2 < 6; ++i) {
       const double top = vertex(node[i], node[i + 1], node[i + 2]);
       if (top > node[i].s && top < node[i + 2].s &&
-          std::max({node[i].q, node[i + 1].q, node[i + 2].q}) > kNear * square)
-        polish(node[i], node[i + 1], node[i + 2], f);
+          std::max({node[i].q, node[i + 1].q, node[i + 2].q}) > kCandidate * square)
+        refine(node[i], node[i + 1], node[i + 2], f);
     }
-    return square <= before || square <= kUnresolved * kUnresolved * std::max({q0, q1, kUnit * kUnit});
+    return square <= before || square <= kUnresolved * kUnresolved * std::max({q0, q1, kSmall * kSmall});
   }
 
  private:
-  bool known_ = false;
-  double last_ = 0;                      ///< at the end of the last step
-  static constexpr double kDoubles = 4;  ///< a resolved step that holds a new peak ends above a quarter of the old one
-  static constexpr double kUnresolved = 100;  ///< times the larger end: no peak of a resolved step
-  static constexpr double kUnit = 10;         ///< below it |ddr_0| is small whatever its ratio to the ends [m/s^2]
-  static constexpr double kNear = 0.9;        ///< of the peak, as squares: lower nodes are not refined
+  bool has_last_ = false;
+  double last_ = 0;                           ///< at the end of the last step
+  static constexpr double kMaxGrowth = 4;     ///< a resolved step with a new peak ends above a quarter of the old one
+  static constexpr double kUnresolved = 100;  ///< times the larger end: not resolved
+  static constexpr double kSmall = 10;        ///< below it |ddr_0| counts as resolved [m/s^2]
+  static constexpr double kCandidate = 0.9;   ///< of the peak, as squares: lower nodes are not refined
 
   struct Node {
     double s, q;
   };
-  /// Where the parabola through three nodes has its top; NaN or outside where it has none.
+  /// Vertex of the parabola through three nodes; NaN or outside if there is no maximum.
   static double vertex(const Node& a, const Node& b, const Node& c) {
     const double u = (b.q - a.q) / (b.s - a.s), v = (c.q - b.q) / (c.s - b.s), bend = (v - u) / (c.s - a.s);
     return bend < 0 ? 0.5 * (a.s + b.s - u / bend) : -1;
   }
-  /// Successive parabolas: the value at the top is exact to the square of the last move.
+  /// Successive parabolic interpolation: the error of the maximum is of second order in the last step.
   template <class F>
-  static void polish(Node a, Node b, Node c, F&& f) {
+  static void refine(Node a, Node b, Node c, F&& f) {
     for (int i = 0; i < 8; ++i) {
       const double s = vertex(a, b, c);
       if (!(s > a.s && s < c.s) || std::abs(s - b.s) < 1e-6) return;

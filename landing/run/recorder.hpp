@@ -1,4 +1,4 @@
-// What a report needs of a run besides its peak. Private to simulate.cpp.
+// Recorder of a run for reports. Private to simulate.cpp.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace ukemi::landing {
 
-/// Collects touches, peaks, demands, work and the trajectory; the fast path has none of it.
+/// Collects touches, peaks, demands, the energy check and the trajectory.
 template <class System>
 class Recorder {
  public:
@@ -17,7 +17,7 @@ class Recorder {
 
   void start(const System& system, double t, const typename System::State& y) {
     energy_start_ = system.link_energy(y), motor_start_ = system.motor_energy(y);
-    turned_ = kinetic_energy(system.link, system.pose(y));
+    energy_turnover_ = kinetic_energy(system.link, system.pose(y));
     work_.setZero();
     out_.demands.phi_min = out_.demands.phi_max = y[kTheta1] - y[kTheta0];
     log_.since.t = t;
@@ -28,7 +28,7 @@ class Recorder {
     if (rate_ > 0) out_.trajectory.push_back(sample(system, t, y));
   }
 
-  /// Rows before `until` of a ballistic flight from release, in closed form; the integrated run starts where it ends.
+  /// Adds the rows before `until` of the ballistic flight from release, in closed form.
   void ballistic(const System& system, const Drop& drop, typename System::State y, double until) {
     const double y0 = y[kY], x0 = y[kX], vx = y[kVx], vy = y[kVy], g = system.link.gravity;
     for (; rate_ > 0 && next_row() < until; ++rows_) {
@@ -37,20 +37,20 @@ class Recorder {
       y[kVy] = vy - g * t;
       row(system, t, y);
     }
-    turned_ += system.link.total_mass * g * drop.height;
+    energy_turnover_ += system.link.total_mass * g * drop.height;
     log_.since.consider(g * g, 0);
   }
 
   template <class Integrator>
   void step(const System& system, Integrator& integrator) {
-    (void)log_.since.step(system, integrator);  // the run has judged the step
+    (void)log_.since.step(system, integrator);  // the follower has checked the step
     const auto& step = integrator.step();
     for (const double s : {0.0, 0.25, 0.5, 0.75, 1.0})
       observe(system.evaluate(step.t + s * step.h, integrator.dense().at(s)));
     for (; rate_ > 0 && next_row() <= step.t + step.h; ++rows_)
       if (next_row() >= step.t) row(system, next_row(), integrator.dense().at(step.place_of(next_row())));
     for (int i = System::kWorkJoint; i < System::kWithAccounts; ++i)
-      turned_ += std::abs(step.y_end[i] - work_[i - System::kWorkJoint]);
+      energy_turnover_ += std::abs(step.y_end[i] - work_[i - System::kWorkJoint]);
     work_ = step.y_end.template tail<3>();
     const double links = system.link_energy(step.y_end) - energy_start_ - step.y_end[System::kWorkJoint] -
                          step.y_end[System::kWorkFloor];
@@ -63,14 +63,14 @@ class Recorder {
 
   void finish() {
     log_.finish();
-    out_.energy_residual = turned_ > 0 ? mismatch_ / turned_ : 0;
+    out_.energy_residual = energy_turnover_ > 0 ? mismatch_ / energy_turnover_ : 0;
   }
 
  private:
   Landing& out_;
   double rate_;
   long rows_ = 0;
-  double energy_start_ = 0, motor_start_ = 0, turned_ = 0, mismatch_ = 0;
+  double energy_start_ = 0, motor_start_ = 0, energy_turnover_ = 0, mismatch_ = 0;
   Eigen::Vector3d work_;
   TouchLog log_;
 
@@ -78,7 +78,7 @@ class Recorder {
 
   void observe(const typename System::Field& f) {
     for (int j = 0; j < kPoints; ++j)
-      if (Touch* const touch = log_.open(j)) touch->peak_force = std::max(touch->peak_force, f.force[j].norm());
+      if (Touch* const touch = log_.current(j)) touch->peak_force = std::max(touch->peak_force, f.force[j].norm());
     Demands& d = out_.demands;
     d.motor_speed = std::max(d.motor_speed, std::abs(f.sea.dphi_m));
     d.motor_torque = std::max(d.motor_torque, std::abs(f.tau_mot));
@@ -98,7 +98,7 @@ class Recorder {
   }
 };
 
-/// The recorder of the fast path: it records nothing.
+/// A recorder that records nothing.
 struct NoRecorder {
   NoRecorder(Landing*, double) {}
 };

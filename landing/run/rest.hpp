@@ -1,12 +1,12 @@
-// When a landing is over: no later peak can exceed the running one.
+// The rest test: a landing is over when no later peak can exceed the running one.
 //
-// Rest is not a small speed alone (calibration: a fallen robot slides for many seconds and that is rest; a robot
+// A small speed is not enough (calibration: a fallen robot slides for many seconds and that is rest; a robot
 // balanced on one point is slow just before it topples and that is not). The rule, all of it at once, after the motion
 // has ended:
 //   1. the spring torque is inside its limit, and the centre of mass, shifted by the tangential forces' lever
 //      (x - y F_x / W), lies inside the support that the pressed points span, with a margin m > 0;
-//   2. the energy that could still do something, E = kinetic energy without the common sliding + motor energy + that of
-//      the springs (joint, floor) about what they must hold at a standstill, is at most kBarrierShare of the barrier W
+//   2. the energy that could still act, E = kinetic energy without the common sliding + motor energy + that of the
+//      springs (joint, floor) relative to static equilibrium, is at most kBarrierShare of the barrier W
 //      (sqrt(m^2 + y^2) - y) to topple over either end;
 //   3. E is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak.
 // The thresholds are ours; test/property/rest.cpp proves them by sampling.
@@ -29,8 +29,8 @@ double impact_energy(const LandingSystem<kTerms, kAccounts>& system) {
   return kImpactShare * 0.5 * m / (per_speed * per_speed);
 }
 
-/// True where the run may end in the state y; `peak_square` is the square of the running peak of |ddr_0| [m^2/s^4],
-/// `per_square` the system's `impact_energy`.
+/// Whether the run may end in the state y, by lane for packs; `peak_square` is the square of the running peak of
+/// |ddr_0| [m^2/s^4], `per_square` the system's `impact_energy`.
 template <LandingTerms kTerms, bool kAccounts, Scalar T>
 auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
              const typename LandingSystem<kTerms, kAccounts, T>::State& y, const T& peak_square, const T& per_square) {
@@ -50,27 +50,26 @@ auto at_rest(const LandingSystem<kTerms, kAccounts, T>& system,
   rest &= energy <= limit;
   if (!any(rest)) return rest;
 
-  T left(std::numeric_limits<double>::infinity()), right = -left, fx(0), carried(0);
+  T left(std::numeric_limits<double>::infinity()), right = -left, fx(0), spring_force(0);
   for (int j = 0; j < kPoints; ++j) {
     fx += select(below(system.contact[j]), tangential_force(system.floor, velocity_x(link, p, j)), T(0));
-    carried += select(pressed(system.contact[j]), normal_force(system.floor, height(link, p, j), T(0)), T(0));
+    spring_force += select(pressed(system.contact[j]), normal_force(system.floor, height(link, p, j), T(0)), T(0));
     const T x = place(link, p, j);
     left = select(pressed(system.contact[j]) & (x < left), x, left);
     right = select(pressed(system.contact[j]) & (x > right), x, right);
   }
-  const auto smaller = [](const T& a, const T& b) { return select(a < b, a, b); };
-  const T shifted = p.x - p.y * fx / weight, first = smaller(p.x, shifted), last = p.x + shifted - first;
-  const T margin = smaller(first - left, right - last);
+  const auto minimum = [](const T& a, const T& b) { return select(a < b, a, b); };
+  const T shifted = p.x - p.y * fx / weight, first = minimum(p.x, shifted), last = p.x + shifted - first;
+  const T margin = minimum(first - left, right - last);
   rest &= margin > T(0);
   if (!any(rest)) return rest;
   const T rise = sqrt(margin * margin + p.y * p.y) + select(p.y > T(0), p.y, T(0));
   const T barrier = weight * margin * margin / rise;
 
-  // What springs alone do not hold sinks on: dampers only slow it. Torques and forces out of balance without them, as
-  // the energy of the spring that would hold them.
-  const T torque = system.unheld_motor_torque(y), gain = smaller(sea.k_p, sea.k_sea),
-          joint = select(gain > T(1e-9), gain, T(1e-9));
-  const T force = weight - carried;
+  // Unbalanced torques and forces without dampers, which only slow it, as energy of the spring that would balance them.
+  const T torque = system.unbalanced_motor_torque(y), softest = minimum(sea.k_p, sea.k_sea),
+          joint = select(softest > T(1e-9), softest, T(1e-9));
+  const T force = weight - spring_force;
   energy += T(0.5) * torque * torque / joint + T(0.5) * force * force / system.floor.stiffness;
   rest &= (energy <= limit) & (energy <= T(kBarrierShare) * barrier);
   return rest;

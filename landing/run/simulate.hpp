@@ -1,4 +1,4 @@
-// The accuracy of a landing's steps, and a landing with one given integrator.
+// The accuracy of a landing's steps, and a landing with a given integrator.
 #pragma once
 
 #include <algorithm>
@@ -13,19 +13,19 @@ namespace ukemi::landing {
 
 using integrate::Method;
 
-/// From this accuracy up the lower order takes less time; see the table of tools/docs/benchmarks_landings.md.
+/// At this accuracy and looser the lower order is faster; see tools/docs/benchmarks_landings.md.
 inline constexpr double kLowOrder = 1e-7;
 
-/// Whether dry friction on the output falls with speed. Where the joint turns it then changes within stribeck_speed,
-/// which may be some microseconds, so that looser steps pass over a peak of |ddr_0| there. The scalar path follows
-/// these landings at 1e-7 or finer; lanes hand them over. Tests: test/property/batch.cpp, stability.cpp.
+/// Whether dry friction on the output falls with speed. It then changes within stribeck_speed, which may take only
+/// microseconds, so that looser steps miss a peak of |ddr_0|. The scalar path simulates these landings at 1e-7 or
+/// finer; lanes hand them over. Tests: test/property/batch.cpp, stability.cpp.
 inline bool needs_fine_steps(const SeaParameters<double>& sea) {
   return sea.output_friction != 0 && sea.breakaway != 0;
 }
-/// The accuracy that the steps of a landing keep where `asked` is asked.
-inline double step_accuracy(double asked, const SeaParameters<double>& sea) {
+/// The accuracy of the steps of a landing for a requested one.
+inline double step_accuracy(double requested, const SeaParameters<double>& sea) {
   constexpr double kFine = 1e-7;
-  return needs_fine_steps(sea) ? std::min(asked, kFine) : asked;
+  return needs_fine_steps(sea) ? std::min(requested, kFine) : requested;
 }
 
 /// `peak_acceleration` with a single method, to compare integrators; one kernel for every scene.

@@ -1,4 +1,4 @@
-// The touches of a landing of any robot, and the largest acceleration between them.
+// Records the touches of a landing of any robot, and the peaks between them.
 #pragma once
 
 #include <algorithm>
@@ -13,11 +13,11 @@ namespace ukemi::landing {
 
 class TouchLog {
  public:
-  /// Writes into these, of a robot with so many contact points.
+  /// Writes into `touches` and `peaks`; `points`: number of contact points.
   TouchLog(std::vector<Touch>& touches, std::vector<Peak>& peaks, std::size_t points)
-      : touches_(touches), peaks_(peaks), open_(points, -1) {}
+      : touches_(touches), peaks_(peaks), current_touch_(points, -1) {}
 
-  PeakTracker since;  ///< the last touchdown
+  PeakTracker since;  ///< peak since the last touchdown
 
   void touchdown(int point, double t) {
     bool chatter = false;
@@ -26,26 +26,25 @@ class TouchLog {
         chatter = t - it->t_liftoff < kChatter;
         break;
       }
-    close_touch();
-    if (!chatter) close_interval(point);
+    finish_touch();
+    if (!chatter) finish_interval(point);
     touches_.push_back({point, t, std::numeric_limits<double>::quiet_NaN()});
-    open_[std::size_t(point)] = int(touches_.size()) - 1;
+    current_touch_[std::size_t(point)] = int(touches_.size()) - 1;
   }
   void liftoff(int point, double t) {
-    if (Touch* const touch = open(point)) touch->t_liftoff = t;
-    open_[std::size_t(point)] = -1;
+    if (Touch* const touch = current(point)) touch->t_liftoff = t;
+    current_touch_[std::size_t(point)] = -1;
   }
-  /// The touch of a point that is down; else null.
-  Touch* open(int point) {
-    const int at = open_[std::size_t(point)];
+  /// The current touch of a point; null if it does not touch.
+  Touch* current(int point) {
+    const int at = current_touch_[std::size_t(point)];
     return at < 0 ? nullptr : &touches_[std::size_t(at)];
   }
-  void finish() { close_touch(), close_interval(-1); }
+  void finish() { finish_touch(), finish_interval(-1); }
 
  private:
-  /// The next touchdown, or the end of the run, ends what the last one began; an interval holds several of these. Of
-  /// points that touch at one instant each gets what follows.
-  void close_touch() {
+  /// Stores the peak since the last touchdown in its touch, or touches if simultaneous, and in the interval.
+  void finish_touch() {
     const double peak = std::sqrt(since.square);
     for (auto it = touches_.rbegin();
          peak > 0 && it != touches_.rend() && it->t_touchdown == touches_.back().t_touchdown; ++it)
@@ -53,14 +52,14 @@ class TouchLog {
     if (peak > interval_.acceleration) interval_.t = since.t, interval_.acceleration = peak;
     since.reset();
   }
-  void close_interval(int next) {
+  void finish_interval(int next) {
     if (interval_.acceleration > 0) peaks_.push_back(interval_);
     interval_ = {0, 0, next};
   }
 
   std::vector<Touch>& touches_;
   std::vector<Peak>& peaks_;
-  std::vector<int> open_;  ///< index of each point's touch; -1: it is not down
+  std::vector<int> current_touch_;  ///< index of each point's current touch; -1: none
   Peak interval_{0, 0, -1};
 };
 

@@ -20,16 +20,16 @@ namespace {
 using N = DropNumbers;
 const std::vector<DropColumn>& columns() {
   static const std::vector<DropColumn> list = [] {
-    const Range any = Range::any(), level = Range::non_negative();
+    const Range any = Range::any(), non_negative = Range::non_negative();
     std::vector<DropColumn> out = {
-        {"height", 1, &N::height, level},
+        {"height", 1, &N::height, non_negative},
         {"forward_speed", 1, &N::forward_speed, any},
         {"pitch_deg", kDegree, &N::pitch, any},
         {"pitch_rate_deg", kDegree, &N::pitch_rate, any},
         {"stiffness", 1, &N::stiffness, Range::positive()},
-        {"damping_normal", 1, &N::damping_normal, level},
-        {"damping_tangential", 1, &N::damping_tangential, level},
-        {"delay", 1, &N::delay, level},
+        {"damping_normal", 1, &N::damping_normal, non_negative},
+        {"damping_tangential", 1, &N::damping_tangential, non_negative},
+        {"delay", 1, &N::delay, non_negative},
         {"phi_off_deg", kDegree, &N::phi_off, any},
         {"rate_off_deg", kDegree, &N::rate_off, any},
     };
@@ -43,7 +43,7 @@ const std::vector<DropColumn>& columns() {
   return list;
 }
 
-/// The inverse of `numbers`.
+/// The drop of these numbers: the inverse of `numbers`.
 ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParameters<double>& sea) {
   ScatteredDrop out{.scene = scene, .phi = n.phi_off, .rate = n.rate_off};
   out.scene.uncertainty.reset(), out.scene.verdicts.clear();  // of the planned floor
@@ -102,8 +102,8 @@ std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, 
 
 namespace {
 
-/// Throws InputError on a column that is not read and is another one's name without its unit, or misspelt: the scene's
-/// own number would stand for it. Short names are other things.
+/// Throws InputError for an unread column whose name is a known one misspelt or without its unit: the scene's number
+/// would silently be used. Short names are not compared.
 void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& known) {
   constexpr std::size_t kShort = 4;
   std::vector<std::string> missing;
@@ -112,7 +112,7 @@ void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& k
   const auto other = [&](const std::string& column) {
     return column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end();
   };
-  for (const auto& [c, near] : table.near_misses(other, missing)) table.refuse_unread(c, near);
+  for (const auto& [c, similar] : table.near_misses(other, missing)) table.refuse_unread(c, similar);
 }
 
 }  // namespace

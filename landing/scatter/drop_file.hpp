@@ -1,4 +1,4 @@
-// Drops as a table, a row a drop: as they were measured, or the worst of those that were drawn.
+// Tables of drops, one per row: measured ones, or the worst of those that were drawn.
 #pragma once
 
 #include <span>
@@ -10,13 +10,13 @@
 
 namespace ukemi::landing {
 
-/// Every number of a drop that may scatter, SI. NaN where the scene has no floor.
+/// Every number of a drop that may scatter, in SI units. The floor's are NaN where the scene has none.
 struct DropNumbers {
   double height, forward_speed, pitch, pitch_rate;
   double stiffness, damping_normal, damping_tangential;  ///< of the floor
   double delay;                                          ///< of the touchdown's detection
-  double phi_off, rate_off;                              ///< of the joint at release, less the planned
-  double phi_i_off, phi_f_off, duration_off;             ///< of the motion, less the planned
+  double phi_off, rate_off;                              ///< of the joint at release, minus the planned
+  double phi_i_off, phi_f_off, duration_off;             ///< of the motion, minus the planned
   SeaParameters<double> sea;                             ///< the actuator's constants
 };
 DropNumbers numbers(const ScatteredDrop& drop, const SeaParameters<double>& sea);
@@ -27,17 +27,17 @@ struct DropColumn {
   double unit;  ///< of the column, in SI: a degree or 1
   double DropNumbers::*number;
   Range range;
-  double SeaParameters<double>::*constant = nullptr;  ///< instead of `number`
+  double SeaParameters<double>::*constant = nullptr;  ///< used instead of `number` if set
 
   const double& of(const DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }
   double& of(DropNumbers& n) const { return constant ? n.sea.*constant : n.*number; }
 };
-/// Those in which a drop differs from what the scene and the actuator say: with them the drops read back.
+/// The columns in which a drop differs from the scene and the actuator: enough to read the drops back.
 std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, const Scene& scene,
                                           const SeaParameters<double>& sea);
 
-/// Reads drops. A column that is absent is the scene's own or the actuator's; columns by other names may hold anything,
-/// but one of ours must be there. Throws InputError with file:line:column.
+/// Reads drops. A number without a column is the scene's or the actuator's; columns of other names are ignored, but at
+/// least one must be of these names. Throws InputError with file:line:column.
 std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scene, const SeaParameters<double>& sea);
 
 }  // namespace ukemi::landing

@@ -16,7 +16,7 @@ namespace ukemi::landing {
 namespace {
 
 /// The reference is the joint's angle at release until the landing motion starts from there.
-Reposition standing_until_touchdown(double phi, double rate) {
+Reposition held_until_touchdown(double phi, double rate) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   return {phi, rate, kNever, kNever};
 }
@@ -27,10 +27,10 @@ SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> d
   const auto& all = actuator_constants();
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (deviation[k] == 0) continue;
-    constexpr double kLeast = 1e-12;  // an inertia must be above 0
+    constexpr double kMinPositive = 1e-12;  // an inertia must be above 0
     const Range& range = all[k].range;
     double& x = sea.*all[k].at;
-    x = std::clamp(x + deviation[k], range.low_open ? kLeast : range.low, range.high);
+    x = std::clamp(x + deviation[k], range.low_open ? kMinPositive : range.low, range.high);
   }
   return sea;
 }
@@ -47,7 +47,7 @@ Motion released_beside(Motion m, double phi, double rate) {
   if (m.reposition)
     m.reposition->phi += phi, m.reposition->rate += rate;
   else if (rate != 0)
-    m.reposition = standing_until_touchdown(m.phi_i + phi, rate);
+    m.reposition = held_until_touchdown(m.phi_i + phi, rate);
   else
     m.phi_i += phi;
   return m;
@@ -55,7 +55,7 @@ Motion released_beside(Motion m, double phi, double rate) {
 
 namespace {
 
-DrivenMotion with(const ScatteredDrop& d, const DrivenMotion& p) {
+DrivenMotion released(const ScatteredDrop& d, const DrivenMotion& p) {
   return {released_beside(p.motion, d.phi, d.rate), moved(p.sea, d.constants)};
 }
 bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
@@ -63,10 +63,10 @@ bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.durati
 }  // namespace
 
 DrivenMotion ScatteredDrop::played(const MotionSpace& space, const DrivenMotion& planned) const {
-  return with(*this, exact(deviation) ? planned : space.inexact(planned, scene.execution, deviation));
+  return released(*this, exact(deviation) ? planned : space.inexact(planned, scene.execution, deviation));
 }
 DrivenMotion ScatteredDrop::played(const DrivenMotion& planned) const {
-  return with(*this, {deviated(planned.motion, scene.execution, deviation), planned.sea});
+  return released(*this, {deviated(planned.motion, scene.execution, deviation), planned.sea});
 }
 
 DropModel DropModel::measured(const Scene& scene, std::vector<ScatteredDrop> drops) {
@@ -98,7 +98,7 @@ DropModel::DropModel(const Scene& scene, const Scatter& scatter, const Actuator&
 
 int DropModel::dimension() const { return sampler_->dimension(); }
 
-/// Constants of the floor are log-normal: their covariance counts relative to what they are.
+/// Constants of the floor are log-normal: their covariance is taken relative to their values.
 void DropModel::scatter_floor(const Uncertainty& known, Sampler& sampler) {
   Eigen::VectorXd unit = Eigen::VectorXd::Ones(long(known.order.size()));
   for (std::size_t i = 0; i < known.order.size(); ++i) {

@@ -19,20 +19,20 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double mean_of(std::span<const double> x) { return std::accumulate(x.begin(), x.end(), 0.0) / double(x.size()); }
 
-/// The mean of the largest `part` numbers, the last of them in part.
-double mean_of_largest(std::span<double> x, double part) {
-  const auto whole = std::size_t(part);
+/// The mean of the largest `count` numbers, a fractional count including part of the last.
+double mean_of_largest(std::span<double> x, double count) {
+  const auto whole = std::size_t(count);
   const auto n = std::min(whole + 1, x.size());
   std::partial_sort(x.begin(), x.begin() + long(n), x.end(), std::greater<>());
   double sum = 0;
-  for (std::size_t i = 0; i < n; ++i) sum += std::min(1.0, part - double(i)) * x[i];
-  return sum / part;
+  for (std::size_t i = 0; i < n; ++i) sum += std::min(1.0, count - double(i)) * x[i];
+  return sum / count;
 }
 
-/// The smallest number that a part `level` of all stay at or below.
+/// The smallest number that a share `level` of all does not exceed.
 double quantile_of(std::span<double> x, double level) {
-  const double place = std::ceil(level * double(x.size()) - 1e-9);
-  const auto k = std::size_t(std::clamp(place - 1, 0.0, double(x.size() - 1)));
+  const double rank = std::ceil(level * double(x.size()) - 1e-9);
+  const auto k = std::size_t(std::clamp(rank - 1, 0.0, double(x.size() - 1)));
   std::nth_element(x.begin(), x.begin() + long(k), x.end());
   return x[k];
 }
@@ -143,8 +143,8 @@ std::vector<PeakBin> histogram(std::span<const double> peaks, std::span<const do
   std::vector<PeakBin> out;
   if (!(high > 0)) return out;
   if (!peaks.empty()) check_finite("q99", q99);
-  const double most = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
-  const double width = std::exp2(std::ceil(std::log2(std::max({most / 64, (high - low) / 512, 1e-5 * high}))));
+  const double range = peaks.empty() ? 0 : q99 - *std::min_element(peaks.begin(), peaks.end());
+  const double width = std::exp2(std::ceil(std::log2(std::max({range / 64, (high - low) / 512, 1e-5 * high}))));
   const double start = std::floor(low / width);
   for (double k = start; k * width <= high; ++k) out.push_back({k * width, (k + 1) * width});
   const auto bin = [&](double x) -> PeakBin& { return out[std::size_t(std::floor(x / width) - start)]; };

@@ -1,4 +1,4 @@
-// A drive, a drop and a motion that deviate from what was planned.
+// Deviations of a drive, a drop and a motion from what was planned.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace ukemi::landing {
 
-/// The drive with every constant moved by so much, in the order of actuator_constants(); none leaves its range.
+/// The drive with each constant moved by `deviation`, in the order of actuator_constants(), clamped to its range.
 SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> deviation);
-/// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it then begins on it.
+/// Moves height, pitch and speeds. Returns whether the drop would begin below the floor; it is then moved onto it.
 bool move_drop(Drop& drop, const Scatter& deviation);
-/// The motion of a joint that is released so far from the planned angle and rate [rad], [rad/s].
+/// The motion of a joint that is released at these offsets from the planned angle and rate [rad], [rad/s].
 Motion released_beside(Motion motion, double phi, double rate);
 
 }  // namespace ukemi::landing

@@ -13,9 +13,9 @@
 
 namespace ukemi::landing {
 
-double cut_normal(double u) {
-  constexpr double kCut = 3;
-  static const double tail = 0.5 * std::erfc(kCut / std::numbers::sqrt2);
+double truncated_normal(double u) {
+  constexpr double kLimit = 3;
+  static const double tail = 0.5 * std::erfc(kLimit / std::numbers::sqrt2);
   using namespace boost::math::policies;
   constexpr policy<promote_double<false>> kDouble;  // long double stops a start under valgrind
   return std::numbers::sqrt2 * boost::math::erf_inv(2 * (tail + u * (1 - 2 * tail)) - 1, kDouble);
@@ -23,12 +23,12 @@ double cut_normal(double u) {
 
 namespace {
 
-constexpr long kMostPoints = 1'000'000'000;
+constexpr long kMaxPoints = 1'000'000'000;
 
 /// R with R R^T = C.
 Eigen::MatrixXd root_of(const Eigen::MatrixXd& c) {
   constexpr double kRounding = 1e-9;
-  // Constants differ by powers of ten: negative eigenvalues are judged on the correlations.
+  // Constants differ by powers of ten: negative eigenvalues are tested on the correlations.
   const Eigen::VectorXd std = c.diagonal().cwiseMax(0).cwiseSqrt();
   const Eigen::VectorXd inverse = std.unaryExpr([](double x) { return x > 0 ? 1 / x : 0; });
   const SymmetricEigen eigen = symmetric_eigen(inverse.asDiagonal() * c * inverse.asDiagonal());
@@ -72,19 +72,19 @@ std::vector<double> Sampler::at(std::span<const double> u) const {
       continue;
     }
     Eigen::VectorXd normal = Eigen::VectorXd::Zero(long(count));
-    for (std::size_t i = 0; i < count; ++i) normal[long(i)] = cut_normal(u[first + i]);
+    for (std::size_t i = 0; i < count; ++i) normal[long(i)] = truncated_normal(u[first + i]);
     Eigen::Map<Eigen::VectorXd>(out.data() + first, long(count)) = blocks_[b].root * normal;
   }
   return out;
 }
 
 std::vector<double> Sampler::even(long count, std::uint64_t seed, long first) const {
-  check_count("drops", count, 0, kMostPoints), check_count("first", first, 0, kMostPoints);
+  check_count("drops", count, 0, kMaxPoints), check_count("first", first, 0, kMaxPoints);
   return dimension_ > 0 ? ScrambledSobol(dimension_, seed).points(count, first) : std::vector<double>();
 }
 
 std::vector<double> Sampler::independent(long count, std::uint64_t seed) const {
-  check_count("drops", count, 0, kMostPoints);
+  check_count("drops", count, 0, kMaxPoints);
   std::vector<double> out;
   out.reserve(std::size_t(count) * std::size_t(dimension_));
   for (long n = 0; n < count; ++n) {

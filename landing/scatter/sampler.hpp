@@ -1,4 +1,4 @@
-// Points of the unit cube as numbers that scatter, group by group.
+// Maps points of the unit cube to random numbers of given distributions, group by group.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,15 +9,15 @@
 
 namespace ukemi::landing {
 
-/// Seeds of other drops than those that a search by this seed is made on: on which its best few are judged, and on
-/// which the answer is told.
-constexpr std::uint64_t judging_seed(std::uint64_t seed) { return seed ^ std::uint64_t{0x9d6e5} << 32; }
+/// Seeds of other drops than those of a search with this seed: to select among its best candidates, and to report the
+/// answer.
+constexpr std::uint64_t selection_seed(std::uint64_t seed) { return seed ^ std::uint64_t{0x9d6e5} << 32; }
 constexpr std::uint64_t fresh_seed(std::uint64_t seed) { return seed ^ std::uint64_t{0xf4e5a} << 32; }
 
-/// A standard normal number cut at three, for u in (0, 1): its quantile.
-double cut_normal(double u);
+/// Quantile at u in (0, 1) of the standard normal distribution truncated at three deviations.
+double truncated_normal(double u);
 
-/// Numbers that are drawn together, with one word for all of them.
+/// Numbers that are drawn together, under one name.
 struct ScatterGroup {
   std::string name;
   int first, count;  ///< coordinates
@@ -25,21 +25,21 @@ struct ScatterGroup {
 
 class Sampler {
  public:
-  /// Independent normal numbers with this standard deviation, cut at three deviations.
+  /// Adds independent normal numbers of this standard deviation, truncated at three deviations.
   void normal(const std::string& name, double deviation, int count = 1);
-  /// Normal numbers with a covariance, their standard deviations times `factor`. Throws InputError for a covariance
+  /// Adds normal numbers of a covariance, their standard deviations times `factor`. Throws InputError for a covariance
   /// that is not positive semidefinite.
   void correlated(const std::string& name, const Eigen::MatrixXd& covariance, double factor = 1);
-  /// Uniform from -1 to 1.
+  /// Adds uniform numbers from -1 to 1.
   void uniform(const std::string& name, int count);
 
   /// Number of coordinates that a sample is drawn from, one for each number; 0: nothing scatters.
   int dimension() const { return dimension_; }
   const std::vector<ScatterGroup>& groups() const { return groups_; }
-  /// The numbers of a point inside the cube, dimension() of them, in the order in which their groups were added.
+  /// The numbers at a point of the cube, dimension() of them, in the order in which their groups were added.
   std::vector<double> at(std::span<const double> u) const;
 
-  /// Scrambled Sobol points from point `first` on, one after the other: see ScrambledSobol.
+  /// Scrambled Sobol points from point `first` on, concatenated: see ScrambledSobol.
   std::vector<double> even(long count, std::uint64_t seed, long first = 0) const;
   /// Independent points.
   std::vector<double> independent(long count, std::uint64_t seed) const;

@@ -6,18 +6,18 @@ const std::vector<LandingPeak>& ScatteredLandings::play(std::span<const DrivenMo
                                                         std::span<const ScatteredDrop> drops,
                                                         const ScatteredOptions& options, const MotionSpace* space) {
   const std::size_t n = planned.size() * drops.size();
-  plays_.clear(), cases_.clear();
-  plays_.reserve(n), cases_.reserve(n);
+  motions_.clear(), cases_.clear();
+  motions_.reserve(n), cases_.reserve(n);
   peaks_.resize(n);
   for (const DrivenMotion& p : planned)
     for (const ScatteredDrop& d : drops) {
-      plays_.push_back(space ? d.played(*space, p) : d.played(p));
-      cases_.push_back({&d.scene, &plays_.back().sea, plays_.back().motion});
+      motions_.push_back(space ? d.played(*space, p) : d.played(p));
+      cases_.push_back({&d.scene, &motions_.back().sea, motions_.back().motion});
     }
   batch_peaks(cases_, peaks_,
               {.accuracy = options.accuracy,
                .limits = options.limits,
-               .too_long = options.too_long,
+               .on_max_steps = options.on_max_steps,
                .max_steps = options.max_steps,
                .over = options.over},
               options.threads);

@@ -8,14 +8,14 @@ namespace ukemi::landing {
 
 namespace {
 
-std::uint32_t reversed(std::uint32_t x) {
+std::uint32_t bit_reversed(std::uint32_t x) {
   x = (x & 0x55555555u) << 1 | (x >> 1 & 0x55555555u);
   x = (x & 0x33333333u) << 2 | (x >> 2 & 0x33333333u);
   x = (x & 0x0f0f0f0fu) << 4 | (x >> 4 & 0x0f0f0f0fu);
   return __builtin_bswap32(x);
 }
 
-/// Laine and Karras' permutation, with Vegdahl's constants: a bit changes with those below it alone.
+/// Laine and Karras' permutation, with Vegdahl's constants: each bit depends only on those below it.
 std::uint32_t permuted(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
@@ -25,8 +25,8 @@ std::uint32_t permuted(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-/// Owen's scrambling: a bit changes with those above it alone.
-std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) { return reversed(permuted(reversed(x), seed)); }
+/// Owen's scrambling: each bit depends only on those above it.
+std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) { return bit_reversed(permuted(bit_reversed(x), seed)); }
 
 }  // namespace
 
@@ -39,7 +39,7 @@ std::vector<double> ScrambledSobol::points(long count, long first) const {
   std::vector<double> out;
   out.reserve(std::size_t(count) * d);
   boost::random::sobol_engine<std::uint32_t, 32> engine(d);
-  if (first > 0) engine.seed(std::uint32_t(first - 1));  // Boost leaves the origin out
+  if (first > 0) engine.seed(std::uint32_t(first - 1));  // Boost omits the origin
   for (long n = first; n < first + count; ++n)
     for (std::size_t k = 0; k < d; ++k) {
       const std::uint32_t x = n == 0 ? 0 : std::uint32_t(engine());

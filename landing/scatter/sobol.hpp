@@ -1,4 +1,4 @@
-// Scrambled Sobol points: as even as a lattice, and as unbiased as random ones.
+// Scrambled Sobol points: low discrepancy, and unbiased like random points.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ class ScrambledSobol {
  public:
   /// 1 to some thousand dimensions.
   ScrambledSobol(int dimension, std::uint64_t seed);
-  /// `count` points from point `first` on, one after the other, each coordinate in (0, 1).
+  /// `count` points from point `first` on, concatenated, each coordinate in (0, 1).
   std::vector<double> points(long count, long first = 0) const;
   int dimension() const { return int(seeds_.size()); }
 

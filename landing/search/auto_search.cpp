@@ -12,49 +12,49 @@ namespace ukemi::landing {
 
 namespace {
 
-// Sizes and distances in parts of the cube, shares in parts of the budget. They were tuned on the shipped scenes, with
+// Sizes and distances as fractions of the cube, shares as fractions of the budget; tuned on the shipped scenes with
 // seeds from 100 on.
 constexpr std::size_t kBasins = 24;
 constexpr double kBasinsApart = 0.04, kIncumbentsApart = 0.15;
-constexpr double kPlain = 0.1;   // share of the motions from anywhere that do nothing but the quintic, see point_of
-constexpr int kGeneration = 16;  // motions
-constexpr int kToTheEnd = 1'000'000;  // generations that no run needs
+constexpr double kNeutral = 0.1;       // share of the uniform scouts that are a quintic alone, see random_point
+constexpr int kGeneration = 16;        // motions
+constexpr int kUnlimited = 1'000'000;  // generations
 
-/// Settings of a run that descends by an adapting distribution.
+/// Settings of a run of covariance matrix adaptation.
 struct Descent {
-  double size;             ///< its standard deviation at the start
-  double slack, patience;  ///< how much worse than the best a run may be, and its factor after each generation
-  double precision;        ///< relative: to better the best by less does not count
-  int stalled, each;       ///< generations without, and so many for each variable more, until it ends
-  double finest, poor;     ///< its width where it has converged: of the best run, of others
-  long scouts;             ///< before a later run: the dearer a run, the more
-  std::size_t starts;      ///< of them so many are judged again, the best that lie
-  double apart;            ///< so far apart
+  double size;             ///< initial standard deviation
+  double slack, patience;  ///< how much worse than the best basin a run may be, relative, and its factor a generation
+  double min_gain;         ///< a smaller relative improvement of the best does not count
+  int stalled, stalled_per_variable;  ///< generations without improvement until it ends: constant, for each variable
+  double finest, coarse;              ///< standard deviation at which it has converged: of the best run, of others
+  long scouts;                        ///< before a later run: the more, the more a run costs
+  std::size_t starts;                 ///< number of the best scouts that are evaluated again
+  double separation;                  ///< minimum distance of these
 };
 constexpr Descent kSharp{0.03, 0.6, 0.985, 1e-4, 12, 3, 1e-7, 1e-3, 200, 24, 0.15},
-    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 300, AutoSearch::kAtOnce, 0.02};
+    kSmooth{0.08, 0.5, 0.93, 1e-3, 8, 0, 2e-3, 2e-3, 300, AutoSearch::kMaxBatch, 0.02};
 
-/// Of runs that minimise `by`: over drops, or of one.
-const Descent& descent_of(const Fidelity& by) { return by.goal == Goal::kRobust ? kSmooth : kSharp; }
+/// Settings of runs over drops, or of the planned one.
+const Descent& descent_of(const Fidelity& fidelity) { return fidelity.goal == Goal::kRobust ? kSmooth : kSharp; }
 
 }  // namespace
 
-GoalProfile profile_of(const Objective::Options& options, double most) {
-  constexpr double kMany = 2.5e5;  // with fewer landings the peak does not lead to its best basins, and leaves too few
+GoalProfile profile_of(const Objective::Options& options, double budget) {
+  constexpr double kLarge = 2.5e5;  // landings; with fewer a stage by the peak costs too much and misses basins
   const Fidelity peak = Goal::kPeak;
   if (options.goal == Goal::kPeak) return {peak};
   if (options.goal == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
-  const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // a tail needs more
-  const GoalProfile::Stage few{{Goal::kRobust, drops}, most < kMany ? 0.75 : 0.6};
-  if (most < kMany) return {Goal::kRobust, {{few}}, 0.2, true, 5};
-  return {Goal::kRobust, {{{peak, 0.15}, few}}, 0.2, true};
+  const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // of a tail
+  const GoalProfile::Stage few_drops{{Goal::kRobust, drops}, budget < kLarge ? 0.75 : 0.6};
+  if (budget < kLarge) return {Goal::kRobust, {{few_drops}}, 0.2, true, 5};
+  return {Goal::kRobust, {{{peak, 0.15}, few_drops}}, 0.2, true};
 }
 
 AutoSearch::AutoSearch()
     : distribution_(std::make_unique<CovarianceAdaptation>()),
       starts_(Archive::kMost, 0),
       basins_(kBasins, kBasinsApart),
-      judged_(kBasins, kBasinsApart) {
+      goal_basins_(kBasins, kBasinsApart) {
   generation_.reserve(Archive::kMost), population_.reserve(Archive::kMost);
 }
 
@@ -62,199 +62,199 @@ AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
   search_ = &search;
-  profile_ = profile_of(search.objective().options(), search.most());
+  profile_ = profile_of(search.objective().options(), search.expected_total());
   random_ = Random(search.seed);
-  races_ = 0;
+  populations_ = 0;
   basins_.clear();
-  by_ = profile_.goal;
-  follow_hints();
-  judged_ = basins_;  // where the given starting points led
-  if (profile_.rougher[0].until > 0) {
+  fidelity_ = profile_.goal;
+  run_from_warm_starts();
+  goal_basins_ = basins_;  // of the warm starts
+  if (profile_.low_fidelity[0].end_share > 0) {
     basins_.clear();
-    for (const GoalProfile::Stage& stage : profile_.rougher)
-      if (stage.until > 0) look_for_basins(stage);
-    judge_basins();
+    for (const GoalProfile::Stage& stage : profile_.low_fidelity)
+      if (stage.end_share > 0) run_stage(stage);
+    refine_basins();
   } else {
-    until_ = 1;
+    end_share_ = 1;
     run_from_incumbents();
   }
   while (!over()) hop();
 }
 
-/// A few generations about each given starting point. What was planned for a drop nearby may be in the right basin
-/// though its own value has gone over a cliff.
-void AutoSearch::follow_hints() {
+/// A few generations around each warm start: the plan of a similar drop may lie in the right basin though it is now
+/// beyond a cliff itself.
+void AutoSearch::run_from_warm_starts() {
   constexpr double kShare = 0.4, kSize = 0.03;
   constexpr int kGenerations = 8;
-  until_ = kShare;
-  for (const Coordinates& u : search_->hints)
-    if (!over()) descend(u, kSize, kGenerations, InKnownBasin::kGoesOn);
+  end_share_ = kShare;
+  for (const Coordinates& u : search_->warm_starts)
+    if (!over()) descend(u, kSize, kGenerations, OnKnownBasin::kContinue);
 }
 
-/// Fast first descent, with or without known basins: motions from anywhere, then most of them from close to
-/// the two best, the incumbents, each followed only while it may better one; from the best of them the first run.
+/// Fast first descent: uniform scouts unless basins are known, then most scouts around the two incumbents, each
+/// followed only while it may improve on one; the first run starts from the best of them.
 void AutoSearch::run_from_incumbents() {
-  constexpr long kFree = 128, kEarly = 1'000, kEnough = 1'500, kMany = 6'000;  // motions
-  constexpr double kAnywhere = 0.1, kLater = 0.5;                  // share from anywhere, before kEarly, after
-  constexpr double kFarthest = -0.6, kNearest = -1, kAtLast = -3;  // powers of ten beside an incumbent
+  constexpr long kUniform = 128, kEarly = 1'000, kFewest = 1'500, kMost = 6'000;  // motions
+  constexpr double kEarlyShare = 0.1, kLateShare = 0.5;           // of uniform scouts, before kEarly and after
+  constexpr double kFarthest = -0.6, kNearest = -1, kFinal = -3;  // log10 of the distance to an incumbent
   starts_ = Archive(2, kIncumbentsApart);
-  const auto enough = [&] { return search_->motions() >= kEnough && search_->share() >= profile_.scouting; };
+  const auto enough = [&] { return search_->motions() >= kFewest && search_->share() >= profile_.scout_share; };
   for (const Candidate& b : basins_) starts_.add(b);
-  for (long n = starts_.empty() ? 0 : kFree; n < kMany && !over() && !enough(); n += kBatch) {
-    const double spent = std::max(double(n) / double(kMany), search_->share()),
-                 nearest = kNearest + (kAtLast - kNearest) * spent;
-    const double anywhere = n < kFree ? 1 : n < kEarly ? kAnywhere : kLater;
-    scout(*search_, random_, {anywhere, nearest, kFarthest, kPlain}, by_, starts_, generation_);
+  for (long n = starts_.empty() ? 0 : kUniform; n < kMost && !over() && !enough(); n += kBatch) {
+    const double spent = std::max(double(n) / double(kMost), search_->share()),
+                 nearest = kNearest + (kFinal - kNearest) * spent;
+    const double uniform = n < kUniform ? 1 : n < kEarly ? kEarlyShare : kLateShare;
+    scout(*search_, random_, {uniform, nearest, kFarthest, kNeutral}, fidelity_, starts_, generation_);
     for (const Candidate& p : generation_)
       if (p.value <= p.bound) basins_.add(p);
   }
   if (starts_.empty()) return;
-  if (!by_population())
-    return descend(Coordinates(starts_[0].u), descent_of(by_).size, kToTheEnd, InKnownBasin::kGoesOn);
+  if (!uses_population())
+    return descend(Coordinates(starts_[0].u), descent_of(fidelity_).size, kUnlimited, OnKnownBasin::kContinue);
   population_.assign(basins_.begin(), basins_.end());
   basins_.clear();
-  converge(false);
+  evolve_population(false);
 }
 
-/// Runs that minimise a rougher value: from where the stage before ended, the best by this one's value first.
-void AutoSearch::look_for_basins(const GoalProfile::Stage& stage) {
+/// Runs of a stage of low fidelity, from the basins of the stage before, sorted by their values of this one.
+void AutoSearch::run_stage(const GoalProfile::Stage& stage) {
   constexpr long kScouts = 3'000;
   constexpr std::size_t kCarried = 4;
   constexpr double kSize = 0.03;
-  by_ = stage.by, until_ = stage.until;
+  fidelity_ = stage.fidelity, end_share_ = stage.end_share;
   if (basins_.empty()) {
-    run_from_scouts(kScouts, profile_.scouting * until_, nullptr);
+    run_from_scouts(kScouts, profile_.scout_share * end_share_, nullptr);
   } else {
     starts_ = basins_;
     basins_.clear();
-    judge_starts();
+    reevaluate_starts();
     population_.assign(starts_.begin(), starts_.begin() + std::min(kCarried, starts_.size()));
     for (std::size_t i = 0; i < population_.size() && !over(); ++i)
-      descend(Coordinates(population_[i].u), kSize, kToTheEnd, InKnownBasin::kIsGivenUp);
+      descend(Coordinates(population_[i].u), kSize, kUnlimited, OnKnownBasin::kAbandon);
   }
-  for (judge_best(); !over(); judge_best()) hop();
+  for (evaluate_best_basin(); !over(); evaluate_best_basin()) hop();
 }
 
-/// Judges by the goal, so that there is an answer besides holding, however early the search ends.
-void AutoSearch::judge_best() {
+/// Evaluates the goal of the best basin: an answer other than holding, however early the search ends.
+void AutoSearch::evaluate_best_basin() {
   if (basins_.empty() || search_->best().value < search_->held().value || search_->over()) return;
   Candidate best = basins_[0];
   best.bound = kNoMotion, best.worst = -1;
   search_->evaluate({&best, 1});
-  judged_.add(best);
+  goal_basins_.add(best);
 }
 
-/// The best basins by the goal: compared, then a run in each of the best two, or a population close to them.
-void AutoSearch::judge_basins() {
+/// Evaluates the goal of the best basins; then a run in each of the best two, or a population around them.
+void AutoSearch::refine_basins() {
   constexpr double kShare = 0.05, kNarrow = 0.015;
   constexpr std::size_t kLeast = 4, kRuns = 2;
-  by_ = profile_.goal, until_ = 1;
+  fidelity_ = profile_.goal, end_share_ = 1;
   const double enough = search_->share() + kShare;
   for (std::size_t i = 0; i < basins_.size() && !over() && (i < kLeast || search_->share() < enough); ++i) {
     Candidate p = basins_[i];
-    if (judged_.beside(p, kNoMotion)) continue;
+    if (goal_basins_.beside(p, kNoMotion)) continue;
     p.bound = kNoMotion, p.worst = -1;
-    search_->evaluate({&p, 1}, by_);
-    judged_.add(p);
+    search_->evaluate({&p, 1}, fidelity_);
+    goal_basins_.add(p);
   }
-  basins_ = judged_;
-  if (by_population()) return run_from_incumbents();
-  for (std::size_t i = 0; i < std::min(kRuns, judged_.size()) && !over(); ++i)
-    descend(judged_[i].u, kNarrow, kToTheEnd, InKnownBasin::kGoesOn);
+  basins_ = goal_basins_;
+  if (uses_population()) return run_from_incumbents();
+  for (std::size_t i = 0; i < std::min(kRuns, goal_basins_.size()) && !over(); ++i)
+    descend(goal_basins_[i].u, kNarrow, kUnlimited, OnKnownBasin::kContinue);
 }
 
-/// A run from close to one of the basins, the better the likelier, or from anywhere.
+/// A run from close to one of the basins, a better one with higher probability, or from uniform scouts.
 void AutoSearch::hop() {
-  constexpr int kGlobal = 3;                                  // populations from anywhere, first of all
-  constexpr double kNear = 0.5, kBox = 0.95, kNearly = 1.06;  // shares; a basin worth a race is this good
-  constexpr double kNarrowest = -2, kWidest = -0.7;           // powers of ten
-  constexpr double kShare = 0.1, kRaceShare = 0.2;            // of the budget, for scouts at most
-  constexpr double kFinest = -3, kFine = -1.3;                // likewise over all drops, which cost the most
-  const long scouts = profile_.scouts * descent_of(by_).scouts;
-  if (profile_.smooth && search_->objective().exact(by_) && !basins_.empty())
-    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kToTheEnd,
-                   InKnownBasin::kGoesOn);
-  if (basins_.size() < 2 || (by_population() && races_ < kGlobal) || random_.uniform() >= kNear)
-    return run_from_scouts(scouts, by_population() ? kRaceShare : kShare, nullptr);
-  if (by_population() && random_.uniform() < kBox) {
+  constexpr int kGlobal = 3;                              // first populations, from uniform scouts
+  constexpr double kLocal = 0.5, kBox = 0.95;             // probabilities
+  constexpr double kGood = 1.06;                          // of the lowest value: worth a population
+  constexpr double kNarrowest = -2, kWidest = -0.7;       // log10 of a run's initial size
+  constexpr double kFinest = -3, kFine = -1.3;            // the same over all drops, which cost most
+  constexpr double kShare = 0.1, kPopulationShare = 0.2;  // of the budget, for scouts at most
+  const long scouts = profile_.scout_factor * descent_of(fidelity_).scouts;
+  if (profile_.smooth && search_->objective().exact(fidelity_) && !basins_.empty())
+    return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kUnlimited,
+                   OnKnownBasin::kContinue);
+  if (basins_.size() < 2 || (uses_population() && populations_ < kGlobal) || random_.uniform() >= kLocal)
+    return run_from_scouts(scouts, uses_population() ? kPopulationShare : kShare, nullptr);
+  if (uses_population() && random_.uniform() < kBox) {
     const auto good = std::count_if(basins_.begin(), basins_.end(),
-                                    [&](const Candidate& b) { return b.value < kNearly * basins_.lowest(); });
-    const Coordinates about = basins_[low_index(random_, std::size_t(good))].u;
-    return run_from_scouts(scouts, kRaceShare, &about);
+                                    [&](const Candidate& b) { return b.value < kGood * basins_.lowest(); });
+    const Coordinates centre = basins_[biased_index(random_, std::size_t(good))].u;
+    return run_from_scouts(scouts, kPopulationShare, &centre);
   }
   const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
-  descend(beside(basins_[low_index(random_, basins_.size())], size, random_).u, size, kToTheEnd,
-          InKnownBasin::kIsGivenUp);
+  descend(perturbed(basins_[biased_index(random_, basins_.size())], size, random_).u, size, kUnlimited,
+          OnKnownBasin::kAbandon);
 }
 
-/// A run from the best of so many scouts, which take that share of the budget at most: about a place, or anywhere.
-void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* about) {
-  constexpr std::size_t kSmallest = 12, kLargest = 32;  // populations: every one is larger by one
-  constexpr long kRace = 60, kScreen = 300;             // scouts for a place, where they are judged once more
+/// A run from the best of `motions` scouts around `centre` or uniform ones, at most `share` of the budget.
+void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* centre) {
+  constexpr std::size_t kSmallest = 12, kLargest = 32;  // members; each population has one more
+  constexpr long kPerMember = 60, kReevaluated = 300;   // scouts a member: by the peak alone, evaluated again
   constexpr double kSame = 1e-5;
-  const Descent& descent = descent_of(by_);
-  const bool judges = by_.goal != Goal::kPeak;
-  const std::size_t places = std::min(kLargest, kSmallest + std::size_t(races_));
-  if (by_population()) {
-    starts_ = Archive(judges ? 2 * places : places, kSame);
-    motions = std::max(motions, long(places) * (judges ? kScreen : kRace));
-    ++races_;
+  const Descent& descent = descent_of(fidelity_);
+  const bool reevaluates = fidelity_.goal != Goal::kPeak;
+  const std::size_t members = std::min(kLargest, kSmallest + std::size_t(populations_));
+  if (uses_population()) {
+    starts_ = Archive(reevaluates ? 2 * members : members, kSame);
+    motions = std::max(motions, long(members) * (reevaluates ? kReevaluated : kPerMember));
+    ++populations_;
   } else {
-    starts_ = judges ? Archive(descent.starts, descent.apart) : Archive(2, kIncumbentsApart);
+    starts_ = reevaluates ? Archive(descent.starts, descent.separation) : Archive(2, kIncumbentsApart);
   }
   const double enough = search_->share() + share;
   for (long n = 0; n < motions && !over() && search_->share() < enough; n += kBatch) {
-    generation_.assign(kBatch, search_->nothing());
-    for (Candidate& p : generation_) p = draw(about), p.bound = starts_.bound();
-    race(*search_, Goal::kPeak, starts_, generation_);
+    generation_.assign(kBatch, search_->centre());
+    for (Candidate& p : generation_) p = draw(centre), p.bound = starts_.bound();
+    evaluate_scouts(*search_, Goal::kPeak, starts_, generation_);
   }
-  if (judges) judge_starts();
+  if (reevaluates) reevaluate_starts();
   if (starts_.empty()) return;
-  if (!by_population()) return descend(Coordinates(starts_[0].u), descent.size, kToTheEnd, InKnownBasin::kIsGivenUp);
-  population_.assign(starts_.begin(), starts_.begin() + std::min(places, starts_.size()));
-  converge(true);
+  if (!uses_population()) return descend(Coordinates(starts_[0].u), descent.size, kUnlimited, OnKnownBasin::kAbandon);
+  population_.assign(starts_.begin(), starts_.begin() + std::min(members, starts_.size()));
+  evolve_population(true);
 }
 
-/// A motion from anywhere, or of a box about a place, away from the known basins.
-Candidate AutoSearch::draw(const Coordinates* about) {
+/// A uniform motion, or one of a box around `centre`, outside of the known basins.
+Candidate AutoSearch::draw(const Coordinates* centre) {
   constexpr int kAttempts = 20;
   constexpr double kSide = 0.15;
-  Candidate p = search_->nothing();
+  Candidate p = search_->centre();
   for (int n = 0; n < kAttempts; ++n) {
-    p = point_of(random_, search_->objective().space().variables(), kPlain);
-    if (about) p.u = (*about + kSide * (p.u - Coordinates::Constant(p.u.size(), 0.5))).cwiseMax(0).cwiseMin(1);
+    p = random_point(random_, search_->objective().space().variables(), kNeutral);
+    if (centre) p.u = (*centre + kSide * (p.u - Coordinates::Constant(p.u.size(), 0.5))).cwiseMax(0).cwiseMin(1);
     if (!basins_.beside(p, kNoMotion)) break;
   }
   return p;
 }
 
-/// The starts again, in the order of the value that runs minimise.
-void AutoSearch::judge_starts() {
+/// Evaluates the starts at the fidelity that runs minimise, and sorts them anew.
+void AutoSearch::reevaluate_starts() {
   generation_.assign(starts_.begin(), starts_.end());
   starts_.clear();
   for (Candidate& p : generation_) p.bound = kNoMotion, p.worst = -1;
-  search_->evaluate(generation_, by_);
+  search_->evaluate(generation_, fidelity_);
   for (const Candidate& p : generation_) starts_.add(p);
 }
 
-/// A run's best is so much worse than the best basin that it is not worth its time; the longer it runs, the less it may
-/// be.
+/// Whether a run's best value exceeds that of the best basin by more than slack * patience^generation, relative.
 bool AutoSearch::lags(double value, double slack, double patience, int generation) const {
   return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
 }
 
-/// Generations until the population has found its basin, or is given up: worse than the best, or in a known basin.
-/// It needs no slope, so kinks and cliffs do not stop it, and its spread follows the valleys.
-void AutoSearch::converge(bool may_give_up) {
+/// Differential evolution until the population has converged, lags behind the best basin, or is in a known one. It
+/// needs no gradient, so kinks and cliffs do not stop it, and its spread follows the valleys.
+void AutoSearch::evolve_population(bool may_abandon) {
   constexpr std::size_t kFewest = 6;
   constexpr int kFree = 12;
   constexpr double kConverged = 1e-4, kGathered = 0.1, kSlack = 0.12, kPatience = 0.9;
   if (population_.size() < kFewest) return;
-  generation_.assign(population_.size(), search_->nothing());
+  generation_.assign(population_.size(), search_->centre());
   const auto best = [this]() -> const Candidate& { return *std::min_element(population_.begin(), population_.end()); };
   for (int n = 0; !over() && spread(population_) > kConverged; ++n) {
-    evolve([this](std::span<Candidate> p) { search_->evaluate(p, by_); }, random_, population_, generation_, {});
-    if (!may_give_up || n < kFree) continue;
+    evolve([this](std::span<Candidate> p) { search_->evaluate(p, fidelity_); }, random_, population_, generation_, {});
+    if (!may_abandon || n < kFree) continue;
     const bool gathered = spread(population_) < kGathered;
     if (lags(best().value, kSlack, gathered ? kPatience : 1, n - kFree)) break;
     if (gathered && basins_.beside(best(), best().value)) break;
@@ -262,35 +262,36 @@ void AutoSearch::converge(bool may_give_up) {
   basins_.add(best());
 }
 
-/// A run from a place, of a size in parts of the cube.
-void AutoSearch::descend(const Coordinates& start, double size, int generations, InKnownBasin run) {
-  constexpr double kBound = 1.2;        // a motion is left where it is worse than the last generation's middle by this
-  constexpr double kContender = 1.005;  // a run this close to the best goes on to the finest width
+/// A run of covariance matrix adaptation from `start`, `size` as a fraction of the cube.
+void AutoSearch::descend(const Coordinates& start, double size, int generations, OnKnownBasin on_known) {
+  constexpr double kBound = 1.2;        // of the last generation's median value: above it a motion is abandoned
+  constexpr double kContender = 1.005;  // of the lowest value: a run below it converges to the finest width
   constexpr int kFree = 8;
-  const Descent& how = descent_of(by_);
-  const int most_stalled = how.stalled + how.each * search_->dimension();
+  const Descent& settings = descent_of(fidelity_);
+  const int most_stalled = settings.stalled + settings.stalled_per_variable * search_->dimension();
   distribution_->start(start, size, kGeneration);
-  Candidate best = search_->nothing(), middle = best;
+  Candidate best = search_->centre(), median = best;
   double milestone = kNoMotion;
   for (int n = 0, stalled = 0; n < generations && !over(); ++n) {
-    generation_.assign(kGeneration, search_->nothing());
+    generation_.assign(kGeneration, search_->centre());
     distribution_->sample(random_, generation_);
     if (n == 0) generation_[0].u = start;
-    for (Candidate& p : generation_) p.bound = std::min(kNoMotion, kBound * middle.value), p.early = middle.early;
-    search_->evaluate(generation_, by_);
+    for (Candidate& p : generation_)
+      p.bound = std::min(kNoMotion, kBound * median.value), p.stage_values = median.stage_values;
+    search_->evaluate(generation_, fidelity_);
     std::sort(generation_.begin(), generation_.end());
     best = std::min(best, generation_[0]);
-    distribution_->learn(generation_);
-    middle = generation_[kGeneration / 2];
-    const bool better = best.value < milestone * (1 - how.precision);
-    if (better) milestone = best.value;
-    stalled = better ? 0 : stalled + 1;
-    const double converged = best.value > kContender * basins_.lowest() ? how.poor : how.finest;
-    if (stalled > most_stalled || distribution_->widest() < converged) break;
-    if (run == InKnownBasin::kIsGivenUp && n > kFree && distribution_->widest() < kBasinsApart &&
+    distribution_->update(generation_);
+    median = generation_[kGeneration / 2];
+    const bool improved = best.value < milestone * (1 - settings.min_gain);
+    if (improved) milestone = best.value;
+    stalled = improved ? 0 : stalled + 1;
+    const double converged = best.value > kContender * basins_.lowest() ? settings.coarse : settings.finest;
+    if (stalled > most_stalled || distribution_->largest_deviation() < converged) break;
+    if (on_known == OnKnownBasin::kAbandon && n > kFree && distribution_->largest_deviation() < kBasinsApart &&
         basins_.beside(best, best.value))
       return;
-    if (n > kFree && lags(best.value, how.slack, how.patience, n - kFree)) break;
+    if (n > kFree && lags(best.value, settings.slack, settings.patience, n - kFree)) break;
   }
   basins_.add(best);
 }

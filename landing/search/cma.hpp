@@ -13,22 +13,22 @@ namespace ukemi::landing {
 
 class CovarianceAdaptation {
  public:
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostVariables, kMostVariables>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMaxVariables, kMaxVariables>;
 
-  /// Restarts about a point, `size` in parts of the cube, with a number of points a generation (>= 4).
-  void start(const Coordinates& mean, double size, int generation);
-  /// A generation's points; their bounds are the caller's.
+  /// Restarts at a mean, `sigma` as a fraction of the cube, with `lambda` points a generation (>= 4).
+  void start(const Coordinates& mean, double sigma, int lambda);
+  /// Draws a generation; sets u alone.
   void sample(Random& random, std::span<Candidate> points) const;
-  /// Updates the distribution from them, the best first.
-  void learn(std::span<const Candidate> sorted);
-  /// The distribution's largest standard deviation, in parts of the cube.
-  double widest() const { return size_ * root_.maxCoeff(); }
+  /// Updates the distribution from a generation, the best first.
+  void update(std::span<const Candidate> sorted);
+  /// The largest standard deviation, as a fraction of the cube.
+  double largest_deviation() const { return sigma_ * d_.maxCoeff(); }
 
  private:
-  Coordinates mean_, path_size_, path_shape_, root_;  ///< root_: of the covariance's eigenvalues
-  Matrix shape_, axes_;                               ///< the covariance by size_^2, its eigenvectors
+  Coordinates mean_, p_sigma_, p_c_, d_;  ///< evolution paths; square roots of the eigenvalues of C
+  Matrix c_, b_;                          ///< C = B diag(d)^2 B^T, its eigenvectors; the covariance is sigma^2 C
   Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 64, 1> weights_;
-  double size_ = 0, effective_ = 0;
+  double sigma_ = 0, mu_eff_ = 0;
   long generations_ = 0;
 };
 

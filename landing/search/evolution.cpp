@@ -1,4 +1,4 @@
-// Peers that evaluate in batches: differential evolution, covariance matrix adaptation, the paper's GA and pattern
+// Solvers that evaluate in batches: differential evolution, covariance matrix adaptation, the paper's GA and pattern
 // search, random search.
 #include "landing/search/cma.hpp"
 #include "landing/search/population.hpp"
@@ -40,18 +40,18 @@ void differential_evolution(Search& search) {
 
 void covariance_adaptation(Search& search) {
   constexpr int kSize = 16;
-  constexpr double kFirst = 0.2, kConverged = 1e-7;
+  constexpr double kInitial = 0.2, kConverged = 1e-7;
   Random r(search.seed);
   CovarianceAdaptation distribution;
   std::vector<Candidate> points(kSize);
-  for (Candidate start = search.nothing(); !search.over(); start = random_point(r, search.dimension())) {
-    distribution.start(start.u, kFirst, kSize);
-    while (!search.over() && distribution.widest() > kConverged) {
-      std::fill(points.begin(), points.end(), search.nothing());
+  for (Candidate start = search.centre(); !search.over(); start = random_point(r, search.dimension())) {
+    distribution.start(start.u, kInitial, kSize);
+    while (!search.over() && distribution.largest_deviation() > kConverged) {
+      std::fill(points.begin(), points.end(), search.centre());
       distribution.sample(r, points);
       search.evaluate(points);
       std::sort(points.begin(), points.end());
-      distribution.learn(points);
+      distribution.update(points);
     }
   }
 }
@@ -86,26 +86,26 @@ void genetic_algorithm(Search& search) {
 }
 
 void pattern_search(Search& search) {
-  constexpr double kFirst = 0.25, kFinest = 1e-7;
+  constexpr double kCoarsest = 0.25, kFinest = 1e-7;
   Random r(search.seed);
   const int directions = 2 * search.dimension();
-  std::vector<Candidate> poll(std::size_t(directions), search.nothing());
+  std::vector<Candidate> poll(std::size_t(directions), search.centre());
   for (bool first = true; !search.over(); first = false) {
-    Candidate at = first ? search.nothing() : random_point(r, search.dimension());
-    search.evaluate({&at, 1});
-    for (double mesh = kFirst; mesh > kFinest && !search.over();) {
+    Candidate incumbent = first ? search.centre() : random_point(r, search.dimension());
+    search.evaluate({&incumbent, 1});
+    for (double mesh = kCoarsest; mesh > kFinest && !search.over();) {
       for (int i = 0; i < directions; ++i) {
-        Candidate& p = poll[std::size_t(i)] = at;
+        Candidate& p = poll[std::size_t(i)] = incumbent;
         double& u = p.u[i / 2];
         u = std::clamp(u + (i % 2 ? -mesh : mesh), 0.0, 1.0);
-        p.bound = at.value;
+        p.bound = incumbent.value;
       }
       search.evaluate(poll);
       const Candidate& best = *std::min_element(poll.begin(), poll.end());
-      const bool success = best.value < at.value;
-      if (success) at = best;
+      const bool success = best.value < incumbent.value;
+      if (success) incumbent = best;
       mesh *= success ? 2 : 0.5;
-      mesh = std::min(mesh, kFirst);
+      mesh = std::min(mesh, kCoarsest);
     }
   }
 }

@@ -1,4 +1,4 @@
-// What a search minimises, and what a motion is worth that is played inexactly.
+// What a search minimises, and the tolerant peak of a motion.
 #pragma once
 
 #include <array>
@@ -21,20 +21,20 @@ inline constexpr double kNoMotion = 1e9;
 struct TolerantPeak {
   double peak = 0;     ///< f(x) [m/s^2]
   double value = 0;    ///< the largest f over x, six face centres and eight corners of the box x + (i da, j da, k dt)
-  Motion worst{};      ///< where
+  Motion worst{};      ///< the motion that has it
   double sampled = 0;  ///< the largest f on random points inside the box; may exceed `value`
   int samples = 0;
-  std::array<int, kPoints> touching{}, samples_touching{};  ///< in how many of the fifteen, and of the samples, a point
-                                                            ///< touches
-  bool failed = false;                                      ///< some landing in the box could not be followed
-  bool complete = true;  ///< false: options.over ended it before all was played, and `value` is a lower bound
+  std::array<int, kPoints> touching{}, samples_touching{};  ///< of each contact point, how many of the fifteen and
+                                                            ///< of the samples touch the floor with it
+  bool failed = false;                                      ///< a landing in the box could not be followed
+  bool complete = true;  ///< false: options.over ended it early, and `value` is a lower bound
 };
 
-/// A moment at which the best of a search became better.
+/// An improvement of the best of a search.
 struct Progress {
-  long motions, landings;  ///< until then
+  long motions, landings;  ///< evaluated until then
   double seconds;
-  double value;  ///< in the search's own accuracy [m/s^2]
+  double value;  ///< at the accuracy of the search [m/s^2]
 };
 
 }  // namespace ukemi::landing

@@ -32,7 +32,7 @@ const std::map<std::string, Entry>& entries() {
   return map;
 }
 
-/// What the C callback needs; it must not let an exception through C code.
+/// State of the C callback, through which no exception may pass.
 struct Run {
   const NloptProblem* problem;
   const NloptStop* stop;
@@ -41,7 +41,7 @@ struct Run {
   std::exception_ptr error;
 };
 
-double trampoline(unsigned n, const double* x, double*, void* data) {
+double objective_callback(unsigned n, const double* x, double*, void* data) {
   Run& run = *static_cast<Run*>(data);
   try {
     const double v = run.problem->f(x);
@@ -79,7 +79,7 @@ NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, 
       local(nlopt_create(NLOPT_LN_SBPLX, n), &nlopt_destroy);
   Run run{&problem, &stop, opt.get(), {problem.start, std::numeric_limits<double>::infinity(), 0, 0, ""}, nullptr};
   nlopt_srand(static_cast<unsigned long>(seed));  // per thread in NLopt
-  nlopt_set_min_objective(opt.get(), trampoline, &run);
+  nlopt_set_min_objective(opt.get(), objective_callback, &run);
   nlopt_set_lower_bounds(opt.get(), problem.lower.data());
   nlopt_set_upper_bounds(opt.get(), problem.upper.data());
   nlopt_set_maxeval(opt.get(), int(stop.evaluations));
@@ -105,12 +105,12 @@ struct EpigraphRun {
   std::exception_ptr error;
 };
 
-double largest(unsigned n, const double* x, double* gradient, void*) {
+double epigraph_objective(unsigned n, const double* x, double* gradient, void*) {
   if (gradient) std::fill(gradient, gradient + n - 1, 0), gradient[n - 1] = 1;
   return x[n - 1];
 }
 
-void below(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* data) {
+void epigraph_constraints(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* data) {
   EpigraphRun& run = *static_cast<EpigraphRun*>(data);
   try {
     std::vector<double> d(std::size_t(m) * (n - 1));
@@ -131,19 +131,19 @@ void below(unsigned m, double* result, unsigned n, const double* x, double* grad
 }  // namespace
 
 int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance) {
-  constexpr int kMostSteps = 500;  // a line search on a kink may go on without end
+  constexpr int kMaxEvaluations = 500;  // a line search on a kink may not end
   const auto n = unsigned(problem.start.size()) + 1;
   const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> opt(nlopt_create(NLOPT_LD_SLSQP, n), &nlopt_destroy);
   EpigraphRun run{&problem, opt.get(), nullptr};
   std::vector<double> lower = problem.lower, upper = problem.upper, x = problem.start;
   lower.push_back(0), upper.push_back(HUGE_VAL), x.push_back(problem.start_value);
   const std::vector<double> tolerance(std::size_t(problem.count), 1e-9);
-  nlopt_set_min_objective(opt.get(), largest, nullptr);
+  nlopt_set_min_objective(opt.get(), epigraph_objective, nullptr);
   nlopt_set_lower_bounds(opt.get(), lower.data());
   nlopt_set_upper_bounds(opt.get(), upper.data());
-  nlopt_add_inequality_mconstraint(opt.get(), unsigned(problem.count), below, &run, tolerance.data());
+  nlopt_add_inequality_mconstraint(opt.get(), unsigned(problem.count), epigraph_constraints, &run, tolerance.data());
   nlopt_set_xtol_rel(opt.get(), x_tolerance);
-  nlopt_set_maxeval(opt.get(), kMostSteps);
+  nlopt_set_maxeval(opt.get(), kMaxEvaluations);
   double value = 0;
   const int code = nlopt_optimize(opt.get(), x.data(), &value);
   if (run.error) std::rethrow_exception(run.error);

@@ -1,4 +1,4 @@
-// The one place that knows NLopt: minimisation of a function in a box without derivatives.
+// The only user of NLopt: minimisation in a box without derivatives, and SLSQP on the epigraph of a minimax.
 #pragma once
 
 #include <cstdint>
@@ -20,28 +20,28 @@ struct NloptProblem {
 struct NloptStop {
   long evaluations = 1000;
   double x_tolerance = 0;      ///< relative, of local methods
-  std::function<bool()> over;  ///< asked after every evaluation; absent: never
+  std::function<bool()> over;  ///< called after every evaluation, true stops; absent: never
 };
 struct NloptResult {
-  std::vector<double> x;  ///< the best point seen, on whatever stop
+  std::vector<double> x;  ///< the best point seen, whatever ended the run
   double value;
   long evaluations = 0;
-  int code = 0;         ///< NLopt's raw result
+  int code = 0;         ///< nlopt_result
   std::string message;  ///< its name
 };
 
 /// The epigraph form of a minimax: min s subject to a_k(x) <= s, k < count, x in a box; NLopt's SLSQP.
 struct EpigraphProblem {
   int count;
-  /// a_k and their gradients by x, row by row; false ends the run.
+  /// a_k and their gradients with respect to x, a row each; false stops the run.
   std::function<bool(const double* x, double* a, double* gradient)> peaks;
   std::vector<double> lower, upper, start;
   double start_value;  ///< of s
 };
-/// Runs until a stop; what was best is the caller's to keep, as `peaks` sees every x. Returns NLopt's raw result.
+/// Runs until x_tolerance (relative) or a stop; the caller records the best in `peaks`. Returns the nlopt_result.
 int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance);
 
-/// Minimises; deterministic for a seed. The best point seen is kept by us, also where NLopt stops on roundoff.
+/// Deterministic for a seed. Keeps the best point seen itself, as NLopt may stop on roundoff.
 NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, const NloptStop& stop,
                      std::uint64_t seed);
 

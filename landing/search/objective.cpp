@@ -12,9 +12,9 @@ namespace ukemi::landing {
 Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
     : Objective(scene, std::make_unique<ReferenceSpace>(scene, sea), options) {}
 
-Objective::Objective(const Scene& scene, std::unique_ptr<const MotionSpace> own, const Options& options)
-    : Objective(scene, *own, options) {
-  own_ = std::move(own);
+Objective::Objective(const Scene& scene, std::unique_ptr<const MotionSpace> owned, const Options& options)
+    : Objective(scene, *owned, options) {
+  owned_ = std::move(owned);
 }
 
 Objective::Objective(const Scene& scene, const MotionSpace& space, const Options& options)
@@ -30,59 +30,59 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
   const Limits& limits = options_.limits;
   limited_ = limits.any_forbidden() || limits.within_steps() || (limits.any() && middle.motion.reposition);
   std::iota(order_.begin(), order_.end(), 0);
-  // A landing that chatters without end may take a thousand times as long as the others: a search does not wait for it.
-  // Where the middle of the box is as long, the scene is stiff, and the scalar path must help.
-  constexpr long kUsual = 300, kTimes = 20;
-  constexpr double kShare = 0.1;  // of the time that may go into finding that out
+  // A landing that chatters without end may take a thousand times as long as the others: its steps are limited. Where
+  // the centre of the box takes as many, the scene is stiff, and long landings are played in the scalar path.
+  constexpr long kUsual = 300, kFactor = 20;  // steps of a landing; maximum relative to that
+  constexpr double kShare = 0.1;              // of the deadline, for this landing
   deadline *= kShare;
   const LandingPeak landing =
       peak_acceleration(scene, middle.sea, middle.motion,
-                        {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kTimes, .over = &over_});
+                        {.accuracy = options.accuracy, .max_steps = 2 * kUsual * kFactor, .over = &over_});
   deadline = options.deadline;
   landing_time_ = watch.seconds();
   const long steps = landing.work.steps;
-  patient_ = steps > kUsual * kTimes || landing.end == End::kStopped;
-  max_steps_ = kTimes * std::max(kUsual, steps);
+  unlimited_steps_ = steps > kUsual * kFactor || landing.end == End::kStopped;
+  max_steps_ = kFactor * std::max(kUsual, steps);
 }
 
-/// Whether the reference is faster than allowed, played exactly or in the shortest time of its execution box.
-bool Objective::too_quick(const DrivenMotion& play) const {
-  const double most = options_.limits.reference_rate;
-  if (!std::isfinite(most)) return false;
+/// Whether the reference exceeds its maximum rate, exactly or with the shortest duration of the execution box.
+bool Objective::too_fast(const DrivenMotion& play) const {
+  const double max_rate = options_.limits.reference_rate;
+  if (!std::isfinite(max_rate)) return false;
   for (int k = 0; k < kExecutionPoints; ++k) {
     if (k > 0 && execution_deviation(k).duration >= 0) continue;
-    if (peak_reference_rate(space_.execution_point(play, scene_.execution, k).motion) > most) return true;
+    if (peak_reference_rate(space_.execution_point(play, scene_.execution, k).motion) > max_rate) return true;
   }
   return false;
 }
 
-/// Motions raced over their execution boxes: each lane takes a motion of its own and plays its box until the first
-/// landing above the bound; lanes without a motion of their own help with those that are left. Where the goal is the
-/// peak, the other points of the box only keep the limits.
+/// Motions raced over their execution boxes: each lane takes a motion and plays the points of its box until the first
+/// landing above the bound; once all motions are taken, idle lanes share those that are left. Where the goal is the
+/// peak, the other points only check the limits.
 class Objective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
-  Race(const Objective& o, std::span<Candidate> points, Goal goal, long granted)
-      : o_(o), points_(points), granted_(granted), goal_(goal), corners_(o.points(goal)) {
+  Race(const Objective& o, std::span<Candidate> points, Goal goal, long max_work)
+      : o_(o), points_(points), max_work_(max_work), goal_(goal), box_points_(o.landings_per_motion(goal)) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0, points[i].played = points[i].broken = 0;
-      if (const DrivenMotion play = o.play(points[i]); o.too_quick(play))
+      if (const DrivenMotion play = o.play(points[i]); o.too_fast(play))
         fail(i, kNoMotion * (1 + peak_reference_rate(play.motion)));
     }
   }
 
   bool next(int lane, BatchCase& c) override {
     if (over()) return false;
-    int& mine = motion_[lane];
-    if (mine < 0 || !open(std::size_t(mine))) mine = admit();
-    if (mine < 0) return false;
-    const auto i = std::size_t(mine);
+    int& current = motion_[lane];
+    if (current < 0 || !pending(std::size_t(current))) current = admit();
+    if (current < 0) return false;
+    const auto i = std::size_t(current);
     const Candidate& p = points_[i];
-    const int k = corner(p, step_[i]++);
-    corner_[lane] = k;
+    const int k = box_point(p, step_[i]++);
+    box_point_[lane] = k;
     const DrivenMotion& play = play_[lane] = o_.space_.execution_point(o_.play(p), o_.scene_.execution, k);
-    c = {&o_.scene_, &play.sea, play.motion, counts(k, goal_) ? p.bound : std::numeric_limits<double>::infinity()};
+    c = {&o_.scene_, &play.sea, play.motion, in_value(k, goal_) ? p.bound : std::numeric_limits<double>::infinity()};
     return true;
   }
 
@@ -92,31 +92,31 @@ class Objective::Race : public BatchSource {
     flights += peak.end == End::kNoContact;
     work += work_of(peak.work);
     Candidate& p = points_[i];
-    const bool broken = no_landing(peak.end), higher = counts(corner_[lane], goal_) && peak.peak > p.value;
-    if (corners_ > 1 && (broken || higher)) p.worst = corner_[lane];
+    const bool broken = no_landing(peak.end), higher = in_value(box_point_[lane], goal_) && peak.peak > p.value;
+    if (box_points_ > 1 && (broken || higher)) p.worst = box_point_[lane];
     if (broken) return fail(i, kNoMotion);
     if (higher) p.value = peak.peak, failed_[i] = p.value > p.bound;
   }
 
-  bool over() override { return late_ = late_ || work >= granted_ || o_.late(); }
+  bool over() override { return interrupted_ = interrupted_ || work >= max_work_ || o_.interrupted(); }
 
-  /// Motions that were cut off.
+  /// Gives kNoMotion to motions that were interrupted.
   void close() {
-    for (std::size_t i = 0; late_ && i < points_.size(); ++i)
-      if (ended_[i] < corners_ && !failed_[i]) fail(i, kNoMotion);
+    for (std::size_t i = 0; interrupted_ && i < points_.size(); ++i)
+      if (ended_[i] < box_points_ && !failed_[i]) fail(i, kNoMotion);
   }
 
   long landings = 0, flights = 0, work = 0;
 
  private:
-  bool open(std::size_t i) const { return !failed_[i] && step_[i] < corners_; }
+  bool pending(std::size_t i) const { return !failed_[i] && step_[i] < box_points_; }
   void fail(std::size_t i, double value) {
     failed_[i] = true;
     points_[i].value = std::max(points_[i].value, value);
   }
-  /// The point that was this motion's worst comes first, then those that were the worst of the most motions.
-  int corner(const Candidate& p, int step) const {
-    if (corners_ == 1) return 0;
+  /// The last worst point of the motion first, then those that failed most motions.
+  int box_point(const Candidate& p, int step) const {
+    if (box_points_ == 1) return 0;
     const int first = first_[std::size_t(&p - points_.data())];
     const auto& order = o_.order_;
     if (first < 0) return order[std::size_t(step)];
@@ -128,25 +128,25 @@ class Objective::Race : public BatchSource {
     while (next_point_ < points_.size()) {
       const std::size_t i = next_point_++;
       first_[i] = points_[i].worst;
-      if (open(i)) return int(i);
+      if (pending(i)) return int(i);
     }
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if (open(i)) return int(i);
+      if (pending(i)) return int(i);
     return -1;
   }
 
   const Objective& o_;
   std::span<Candidate> points_;
-  const long granted_;  ///< work
+  const long max_work_;
   const Goal goal_;
-  const int corners_;
+  const int box_points_;
   std::size_t next_point_ = 0;
   std::array<bool, kMost> failed_{};
   std::array<int, kMost> step_{}, first_{}, ended_{};
-  bool late_ = false;
+  bool interrupted_ = false;
   static constexpr int kLanes = lanes(InstructionSet::kAvx512);
-  std::array<int, kLanes> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, corner_{};
-  std::array<DrivenMotion, kLanes> play_;  ///< what the lane's landing points to
+  std::array<int, kLanes> motion_{-1, -1, -1, -1, -1, -1, -1, -1}, box_point_{};
+  std::array<DrivenMotion, kLanes> play_;  ///< referenced by the lane's landing
 };
 
 void Objective::evaluate(std::span<Candidate> points, Fidelity fidelity) {
@@ -159,29 +159,30 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0}, flights{0}, work{0};
-  const long granted = granted_ == kUnbounded ? kUnbounded : std::max(0L, granted_ - work_) / std::max(1, parts);
-  const BatchOptions batch{.accuracy = options_.accuracy,
-                           .limits = options_.limits,
-                           .extended = extended_,
-                           .late = late_,
-                           .feedback = feedback_,
-                           .too_long = patient_ ? BatchOptions::Long::kScalar : BatchOptions::Long::kFail,
-                           .max_steps = patient_ ? BatchOptions().max_steps : max_steps_};
+  const long max_work = max_work_ == kUnbounded ? kUnbounded : std::max(0L, max_work_ - work_) / std::max(1, parts);
+  const BatchOptions batch{
+      .accuracy = options_.accuracy,
+      .limits = options_.limits,
+      .extended = extended_,
+      .late = late_,
+      .feedback = feedback_,
+      .on_max_steps = unlimited_steps_ ? BatchOptions::OnMaxSteps::kScalar : BatchOptions::OnMaxSteps::kFail,
+      .max_steps = unlimited_steps_ ? BatchOptions().max_steps : max_steps_};
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
-    Race race(*this, points.subspan(a, b - a), goal, granted);
-    run_batch(race, batch, quickest_instruction_set((b - a) * std::size_t(this->points(goal))));
+    Race race(*this, points.subspan(a, b - a), goal, max_work);
+    run_batch(race, batch, fastest_instruction_set((b - a) * std::size_t(landings_per_motion(goal))));
     race.close();
     landings += race.landings, flights += race.flights, work += race.work;
   });
-  if (this->points(goal) > 1) learn_order(points, goal);
+  if (landings_per_motion(goal) > 1) update_order(points, goal);
   motions_ += long(points.size());
   landings_ += landings, flights_ += flights, work_ += work;
 }
 
-/// What ended most motions is played first. Where the box only keeps the limits, a motion that kept them gives no hint.
-void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
+/// Sorts the box by failures. Where it only checks the limits, a motion that kept them is not counted.
+void Objective::update_order(std::span<const Candidate> points, Goal goal) {
   for (const Candidate& p : points)
     if (p.worst >= 0 && (goal == Goal::kTolerant || p.value > p.bound || p.value >= kNoMotion))
       ++failures_[std::size_t(p.worst)];
@@ -193,22 +194,22 @@ void Objective::learn_order(std::span<const Candidate> points, Goal goal) {
 
 double Objective::verified(const DrivenMotion& play, double accuracy, double bound) {
   double worst = 0;
-  const int n = points(options_.goal);
+  const int n = landings_per_motion(options_.goal);
   constexpr double kAny = std::numeric_limits<double>::infinity();
-  // A deadline has no time for a landing that chatters without end.
+  // With a deadline, no landing that chatters without end.
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
-  if (too_quick(play)) return kNoMotion;
-  for (int k = 0; k < n && !late(); ++k) {
-    const DrivenMotion at = space_.execution_point(play, scene_.execution, k);
-    const LandingPeak p = peak_acceleration(scene_, at.sea, at.motion,
+  if (too_fast(play)) return kNoMotion;
+  for (int k = 0; k < n && !interrupted(); ++k) {
+    const DrivenMotion deviated = space_.execution_point(play, scene_.execution, k);
+    const LandingPeak p = peak_acceleration(scene_, deviated.sea, deviated.motion,
                                             {.accuracy = accuracy,
-                                             .abandon_above = counts(k, options_.goal) ? bound : kAny,
+                                             .abandon_above = in_value(k, options_.goal) ? bound : kAny,
                                              .max_steps = steps,
                                              .limits = options_.limits,
                                              .over = &over_});
     work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;
-    if (counts(k, options_.goal)) worst = std::max(worst, p.peak);
+    if (in_value(k, options_.goal)) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }
   return worst;

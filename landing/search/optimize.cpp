@@ -25,7 +25,7 @@ void OptimizeOptions::validate() const {
 
 namespace {
 
-/// Why nothing was found; else why the search ended early; else nothing.
+/// Why nothing was found, or why the search ended early; else empty.
 std::string message_of(const OptimizeOptions& options, const Objective& objective, bool found, bool exhausted) {
   if (!found && options.monitor.stopped()) return "interrupted before a motion was found";
   const std::string bound = fmt::format(
@@ -45,12 +45,12 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   return exhausted ? none + "; " + bound : none;
 }
 
-/// The best of the starts, a place in the cube; under scatter by a few drops. Without one that can be followed nothing.
+/// The best of the starts in the unit cube, under scatter over a few drops; absent where none can be followed.
 std::optional<Coordinates> best_start(Search& search, const std::vector<MotionValues>& starts) {
   constexpr std::size_t kDrops = 16;
   const MotionSpace& space = search.objective().space();
   const Goal goal = search.objective().options().goal;
-  Candidate best = search.nothing();
+  Candidate best = search.centre();
   for (std::size_t from = 0; from < starts.size(); from += kBatch) {
     std::vector<Candidate> points;
     for (std::size_t i = from; i < std::min(from + kBatch, starts.size()); ++i) {
@@ -63,27 +63,27 @@ std::optional<Coordinates> best_start(Search& search, const std::vector<MotionVa
   return best.value < kNoMotion ? std::optional(best.u) : std::nullopt;
 }
 
-/// What a search may take, `last` seconds before its deadline kept for what follows it.
-Budget budget_of(const OptimizeOptions& options, const Objective& objective, double last) {
+/// Budget of the search; `reserve`: time before the deadline that is kept for the verification [s].
+Budget budget_of(const OptimizeOptions& options, const Objective& objective, double reserve) {
   Budget out;
   if (options.deadline)
-    out.seconds = *options.deadline - objective.watch.seconds() - last -
+    out.seconds = *options.deadline - objective.watch.seconds() - reserve -
                   verification_time(*options.deadline, objective.landing_time());
   if (options.evaluations || !options.deadline)
     out.motions = options.evaluations.value_or(default_evaluations(options.goal, objective.space().dimension()));
-  out.work = work_allowed(objective.points(options.goal), out.motions);
+  out.work = work_allowed(objective.landings_per_motion(options.goal), out.motions);
   out.tolerance = options.tolerance;
   return out;
 }
 
-void record(const Candidate& answer, const Objective& objective, Optimum& out) {
+void set_motion(const Candidate& answer, const Objective& objective, Optimum& out) {
   const DrivenMotion play = objective.play(answer);
   out.motion = play.motion, out.sea = play.sea;
   out.values = objective.space().values(answer.u),
   out.edges = objective.space().edges(objective.space().values(answer.u));
 }
 
-/// The landing of the answer and its execution box, at the accuracy of an answer; `value` is what the search found.
+/// Plays the landing of the answer and its execution box at OptimizeOptions::accuracy; `value`: of the search.
 void verify(double value, const OptimizeOptions& options, const Objective& objective, Optimum& out) {
   const Scene& scene = objective.scene();
   const MotionSpace& space = objective.space();
@@ -121,45 +121,45 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
                        .deadline = deadline,
                        .stop = options.monitor.stop,
                        .robust = options.robust});
-  double last = 0;  // what the landing and the execution box of the result take
+  double reserve = 0;  // for the landing and the execution box of the result [s]
   if (options.deadline)
-    last = std::min(0.2 * deadline, (1 + kExecutionPoints) * kTightLanding * objective.landing_time());
+    reserve = std::min(0.2 * deadline, (1 + kExecutionPoints) * kTightCost * objective.landing_time());
   Optimum out;
   out.solver = options.solver;
-  constexpr std::size_t kKept = 4096;
-  out.progress.reserve(kKept);
-  Search search(objective, budget_of(options, objective, last), options.seed, &out.progress);
+  constexpr std::size_t kMaxProgress = 4096;
+  out.progress.reserve(kMaxProgress);
+  Search search(objective, budget_of(options, objective, reserve), options.seed, &out.progress);
   search.on_progress = options.monitor.on_progress;
   const std::optional<Coordinates> start = best_start(search, options.starts);
-  if (start) search.hints = {&*start, 1};
+  if (start) search.warm_starts = {&*start, 1};
   run_solver(options.solver, search);
   out.evaluations = search.motions();
   out.work = objective.work();
   const bool exhausted = objective.exhausted();
-  double until = deadline;
-  const auto leave = [&] {  // once: what follows may still take a moment
+  double end = deadline;
+  const auto allow_leave = [&] {  // once: the rest may still take kLeave
     if (!objective.stop || !options.monitor.stopped()) return;
     objective.stop = nullptr;
-    until = std::min(until, objective.watch.seconds() + OptimizeOptions::kLeave);
-    last = 0.5 * (until - objective.watch.seconds());
+    end = std::min(end, objective.watch.seconds() + OptimizeOptions::kLeave);
+    reserve = 0.5 * (end - objective.watch.seconds());
   };
-  leave();
-  const Candidate best = search.judge(options.accuracy, until - last);
+  allow_leave();
+  const Candidate best = search.judge(options.accuracy, end - reserve);
   out.seconds = objective.watch.seconds();
   const Candidate& held = search.held();
   if (space.holding(0)) out.held = Held{objective.play(held).motion, held.value};
-  record(best, objective, out);
+  set_motion(best, objective, out);
   out.landings = objective.landings();
   out.found = best.value < kNoMotion;
   out.message = message_of(options, objective, out.found, exhausted);
   if (!out.found) return out;
-  leave();
-  objective.deadline = until;
-  objective.grant(kUnbounded);
+  allow_leave();
+  objective.deadline = end;
+  objective.limit_work(kUnbounded);
   verify(best.value, options, objective, out);
-  const bool fallen = options.goal != Goal::kRobust && out.value > held.value;  // as far as it was left unjudged
-  if (fallen && best.u != held.u) {
-    record(held, objective, out);
+  const bool worse_than_held = options.goal != Goal::kRobust && out.value > held.value;  // if unverified before
+  if (worse_than_held && best.u != held.u) {
+    set_motion(held, objective, out);
     verify(held.value, options, objective, out);
   }
   return out;

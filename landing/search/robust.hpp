@@ -9,13 +9,12 @@
 namespace ukemi::landing {
 
 struct Robust {
-  /// Accuracy of the landings of such a search: peaks to 1e-4 or so.
+  /// Accuracy of the landings: peaks to about 1e-4 relative.
   static constexpr double kAccuracy = 1e-5;
   Measure measure;
-  std::vector<ScatteredDrop> drops;  ///< that are searched on
-  std::vector<ScatteredDrop>
-      judging;            ///< that the best few are judged on: their value is what is promised; none: as found
-  double penalty = 1000;  ///< what a landing that breaks a limit counts [m/s^2]
+  std::vector<ScatteredDrop> drops;    ///< of the search
+  std::vector<ScatteredDrop> judging;  ///< on which the best few are evaluated for the promised value; empty: as found
+  double penalty = 1000;               ///< value of a landing that breaks a limit [m/s^2]
 };
 
 }  // namespace ukemi::landing

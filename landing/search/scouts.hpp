@@ -1,4 +1,4 @@
-// Scouts: motions from anywhere, and beside the best of earlier ones, in lanes.
+// Scouts: motions drawn uniformly and around the best of earlier ones, evaluated in lanes.
 #pragma once
 
 #include <cmath>
@@ -12,34 +12,34 @@ namespace ukemi::landing {
 
 /// Where the scouts of a batch are drawn.
 struct Scouting {
-  double anywhere;           ///< the share of them, 0..1; the others are close to an incumbent
-  double nearest, farthest;  ///< how close: powers of ten, parts of the box
-  double plain;              ///< see point_of
+  double uniform;            ///< share of uniform ones, 0..1; the others are around an incumbent
+  double nearest, farthest;  ///< log10 of sigma around an incumbent, as a fraction of the box
+  double neutral;            ///< see random_point
 };
 
-/// Follows scouts for their bounds; the best become incumbents.
-inline void race(Search& search, Fidelity fidelity, Archive& incumbents, std::vector<Candidate>& batch) {
+/// Evaluates scouts; those within their bounds become incumbents where they are good enough.
+inline void evaluate_scouts(Search& search, Fidelity fidelity, Archive& incumbents, std::vector<Candidate>& batch) {
   search.evaluate(batch, fidelity);
   for (const Candidate& p : batch)
     if (p.value <= p.bound) incumbents.add(p);
 }
 
-/// A batch of scouts, each followed only while it may better what it competes with; the best become incumbents. The
-/// better an incumbent, the more are drawn beside it. Allocates nothing where `batch` has room for kBatch.
-inline void scout(Search& search, Random& random, const Scouting& how, Fidelity fidelity, Archive& incumbents,
+/// A batch of scouts, each followed only while it may improve on an incumbent; the best become incumbents. A better
+/// incumbent is more often sampled around. Allocates nothing where `batch` has capacity for kBatch.
+inline void scout(Search& search, Random& random, const Scouting& options, Fidelity fidelity, Archive& incumbents,
                   std::vector<Candidate>& batch) {
-  batch.assign(kBatch, search.nothing());
+  batch.assign(kBatch, search.centre());
   for (Candidate& p : batch) {
-    if (how.anywhere >= 1 || incumbents.empty() || random.uniform() < how.anywhere) {
-      p = point_of(random, search.objective().space().variables(), how.plain);
+    if (options.uniform >= 1 || incumbents.empty() || random.uniform() < options.uniform) {
+      p = random_point(random, search.objective().space().variables(), options.neutral);
       p.bound = incumbents.bound();
     } else {
-      const Candidate& incumbent = incumbents[low_index(random, incumbents.size())];
-      p = beside(incumbent, std::pow(10.0, random.uniform(how.nearest, how.farthest)), random);
+      const Candidate& incumbent = incumbents[biased_index(random, incumbents.size())];
+      p = perturbed(incumbent, std::pow(10.0, random.uniform(options.nearest, options.farthest)), random);
       p.bound = incumbent.value;
     }
   }
-  race(search, fidelity, incumbents, batch);
+  evaluate_scouts(search, fidelity, incumbents, batch);
 }
 
 }  // namespace ukemi::landing

@@ -1,4 +1,4 @@
-// The bookkeeping that all solvers share: what may still be spent, the best so far, and how it came about.
+// State shared by all solvers: the remaining budget, the best so far and its history.
 #pragma once
 
 #include <algorithm>
@@ -12,100 +12,98 @@
 namespace ukemi::landing {
 
 struct Budget {
-  long motions = std::numeric_limits<long>::max();           ///< evaluated in all; under scatter landings
+  long motions = std::numeric_limits<long>::max();           ///< maximum number evaluated; under scatter landings
   double seconds = std::numeric_limits<double>::infinity();  ///< from the start of the search; a clock is never exact
-  long work = kUnbounded;  ///< see work_of; what judging the result takes is granted apart
-  double tolerance = 0;    ///< relative: stops once `patience` motions in a row bettered the best by less; 0: never
-  long patience = 5'000;   ///< [motions]
-  double hold = 0.05;      ///< share that may go into postures to hold, besides the first; 0: none, for a single basin
+  long work = kUnbounded;                                    ///< see work_of; judging the result has its own
+  double tolerance = 0;   ///< relative: stops once `patience` motions in a row improved the best by less; 0: never
+  long patience = 5'000;  ///< [motions]
+  double hold = 0.05;     ///< maximum share for postures to hold besides the first; 0: no posture at all
 };
 
-/// What a search of so many motions, each of so many landings, may take: five times what ordinary landings do, each
-/// motion followed to its end, and seconds at least. Where landings take a thousand times as long as usual, it ends
-/// there and not in hours.
+/// Maximum work of a search of `motions`, each of `landings`: five times that of ordinary landings, and seconds at
+/// least. Ends a search whose landings take a thousand times as long as usual.
 long work_allowed(long landings, long motions);
 
 class Search {
  public:
-  /// `progress` receives the moments, up to its capacity; null where nobody asks. Judges the best posture to hold, by
-  /// the search's own goal: whatever a solver does with what is left, the answer is no worse.
+  /// `progress` receives the improvements, up to its capacity; may be null. Evaluates the best posture to hold by the
+  /// goal: the answer is no worse, whatever the solver finds.
   Search(Objective& objective, const Budget& budget, std::uint64_t seed, std::vector<Progress>* progress = nullptr);
 
-  /// True once nothing may be spent any more.
-  bool over() const { return spent() >= budget_.motions || objective_.late() || stalled(); }
+  /// True once the budget is exhausted.
+  bool over() const { return spent() >= budget_.motions || objective_.interrupted() || stalled(); }
   double seconds() const { return objective_.watch.seconds() - start_; }
   long motions() const { return objective_.motions() - first_motion_; }
-  /// As Budget::motions: under scatter, where a motion is worth as many landings as it may win, the landings; a motion
-  /// that is refused before any landing counts as one.
+  /// In the unit of Budget::motions: under scatter landings, as motions take different numbers of them; a motion that
+  /// is refused before any landing counts as one.
   long spent() const { return scattered() ? std::max(objective_.landings() - first_landing_, motions()) : motions(); }
   const Budget& budget() const { return budget_; }
-  /// As many as `spent` may become: by the budget, or by its time where that is short.
-  double most() const;
-  /// How much is spent, 0..1: of the motions or of the time, whichever is more.
+  /// Expected final value of `spent`, by the motions of the budget or by its time.
+  double expected_total() const;
+  /// Share of the budget that is spent, 0..1: of the motions or of the time, whichever is larger.
   double share() const;
 
-  /// Evaluates as many of the points as the budget allows; the others come back with kNoMotion. What is rougher than
-  /// the search's own goal only screens: it is no result until it is played again.
+  /// Evaluates as many of the points as the budget allows; the others get kNoMotion. Points of lower fidelity than the
+  /// goal are only screened: no result before they are evaluated again.
   void evaluate(std::span<Candidate> points, Fidelity fidelity);
   void evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
-  const Candidate& best() const { return contenders_.empty() ? none_ : contenders_[0]; }
-  /// The best posture to hold: the one that the robot is released in; without a release the middle of the scene's
-  /// range, or the best of some others, as far as a twentieth of the budget goes. kNoMotion where it could not be
-  /// followed within the limits, or the space knows none.
+  const Candidate& best() const { return contenders_.empty() ? centre_ : contenders_[0]; }
+  /// The best posture to hold: the released one; without a release the middle of the scene's range, or the best of some
+  /// others within Budget::hold. kNoMotion where it could not be followed within the limits, or the space has none.
   const Candidate& held() const { return held_; }
   int dimension() const { return objective_.space().dimension(); }
-  /// The middle of the space, not yet played.
-  const Candidate& nothing() const { return none_; }
+  /// The centre of the space, not evaluated.
+  const Candidate& centre() const { return centre_; }
 
-  /// The best that stands. Many a best stands on a cliff, where what the search's own accuracy took for a foothold may
-  /// be beside it: the best few, and the best posture to hold, are evaluated anew at 1e-9, and where they have fallen,
-  /// the search steps back from the edge. Then the scalar path judges at `accuracy`; the worse of the two counts. Where
-  /// nothing better than holding was played, the best that was screened is; where nothing at all stands, for 3 ms if
-  /// need be. All else until `deadline` on the objective's watch: what it cuts off is not judged, and where it comes
-  /// first of all, the search's own value stands. Of work, judging has twice kCheckWork.
+  /// The best motion, verified. The best often lies at a cliff, where the accuracy of the search decides the side: the
+  /// contenders and the best posture to hold are evaluated again at 1e-9, and where their values jump, a population
+  /// steps back from the cliff. Then the scalar path verifies at `accuracy`; the larger value counts. Where nothing
+  /// better than holding was evaluated, the best screened motion is; with nothing at all, for 3 ms past the deadline.
+  /// Else it ends by `deadline` on the objective's watch: a contender that is not reached is not considered, and where
+  /// none is, the value of the search counts. Its work is limited to twice kCheckWork.
   Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
-  /// Places in the unit cube that are tried before all others, the best first; they must outlive the search.
-  std::span<const Coordinates> hints;
+  /// Points of the unit cube that are tried before all others, the best first; they must outlive the search.
+  std::span<const Coordinates> warm_starts;
   std::function<void(long done, long total)>
-      on_progress;  ///< receives the motions spent, else the milliseconds, if set
+      on_progress;  ///< if set, receives motions, or milliseconds where these are unlimited
   const Objective& objective() const { return objective_; }
-  /// Landings that a solver played by itself.
-  void spend(const integrate::Counters& work) { objective_.spend(work_of(work)); }
+  /// Adds the work of landings that a solver played itself.
+  void add_work(const integrate::Counters& work) { objective_.add_work(work_of(work)); }
 
  private:
-  void hold();
-  void judge_held(Candidate p);
-  void play_screened(double deadline);
-  /// Whether it may be the answer: followed, and under scatter within the limits in as many drops as are asked for.
-  bool stands(const Candidate& p) const { return p.value < kNoMotion && (!scattered() || objective_.keeps_limits(p)); }
+  void search_held();
+  void evaluate_held(Candidate p);
+  void evaluate_screened(double deadline);
+  /// Whether it may be the answer: followed, and under scatter within the limits in the required share of drops.
+  bool valid(const Candidate& p) const { return p.value < kNoMotion && (!scattered() || objective_.keeps_limits(p)); }
   Candidate judge_scattered();
   Candidate judge_exactly(double accuracy);
   void step_back(const Candidate& edge);
-  /// What an answer is chosen from, in order: the best few, and the best posture to hold, however many are better.
-  std::span<Candidate> contenders(std::span<Candidate, Archive::kMost> memory) const;
+  /// Candidates for the answer, sorted: the best that lie apart, then the best posture to hold.
+  std::span<Candidate> contenders(std::span<Candidate, Archive::kMost> buffer) const;
   bool scattered() const { return objective_.options().goal == Goal::kRobust; }
-  /// How many of so many motions the budget allows.
+  /// How many of `motions` the budget allows.
   std::size_t allowed(std::size_t motions) const;
-  /// Evaluates, and keeps what is good enough.
+  /// Evaluates, and records contenders and the best screened points.
   void play(std::span<Candidate> points, Fidelity fidelity);
   void play(std::span<Candidate> points) { play(points, objective_.options().goal); }
-  void keep(const Candidate& p);
-  void report() const;
+  void record(const Candidate& p);
+  void report_progress() const;
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }
 
   Objective& objective_;
   Budget budget_;
   double start_;  ///< on the objective's watch [s]
   long first_motion_, first_landing_;
-  long milestone_motions_ = 0;    ///< when the best last became better by more than the tolerance
-  double milestone_ = kNoMotion;  ///< and what it was then
+  long milestone_motions_ = 0;    ///< at the last improvement by more than the tolerance
+  double milestone_ = kNoMotion;  ///< the best value then
   std::vector<Progress>* progress_;
-  const Candidate none_;
-  Archive contenders_;                 ///< the best that are apart
+  const Candidate centre_;
+  Archive contenders_;                 ///< the best that lie apart
   Candidate held_;                     ///< see held()
-  std::array<Candidate, 2> screened_;  ///< the best by what is rougher: by one landing, over some drops
+  std::array<Candidate, 2> screened_;  ///< the best of low fidelity: by the peak, over some drops
 };
 
 }  // namespace ukemi::landing

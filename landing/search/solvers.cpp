@@ -39,10 +39,10 @@ void run_solver(const std::string& name, Search& search) {
 void nlopt_search(const std::string& name, Search& search) {
   for (std::uint64_t restart = 0; !search.over(); ++restart) {
     Random random(search.seed, restart);
-    const Candidate start = restart == 0 ? search.nothing() : random_point(random, search.dimension());
+    const Candidate start = restart == 0 ? search.centre() : random_point(random, search.dimension());
     const auto n = std::size_t(search.dimension());
     NloptProblem problem{[&](const double* u) {
-                           Candidate p = search.nothing();
+                           Candidate p = search.centre();
                            std::copy_n(u, n, p.u.begin());
                            search.evaluate({&p, 1});
                            return p.value;
@@ -55,7 +55,7 @@ void nlopt_search(const std::string& name, Search& search) {
     const long before = search.motions();
     minimize(name, problem, {.evaluations = left, .x_tolerance = 1e-6, .over = [&] { return search.over(); }},
              search.seed + restart);
-    if (search.motions() == before) return random_search(search);  // it refuses this box: never an endless loop
+    if (search.motions() == before) return random_search(search);  // NLopt refuses this box
   }
 }
 

@@ -13,25 +13,24 @@ namespace ukemi::landing {
 const std::vector<std::string>& solver_names();
 /// Throws InputError for a name that is not one of them.
 void check_solver(const std::string& name);
-/// Searches until the search is over. Deterministic for the search's seed and a number of motions.
+/// Runs until search.over(). Deterministic for the search's seed and a number of motions.
 void run_solver(const std::string& name, Search& search);
 
-/// Ours, see auto_search.hpp.
+/// See auto_search.hpp.
 void auto_search(Search& search);
-/// Covariance matrix adaptation (cma.hpp) from the middle of the box, then from random starts.
+/// Covariance matrix adaptation (cma.hpp) from the centre of the box, then from random starts.
 void covariance_adaptation(Search& search);
 /// Differential evolution, best/1/bin with a dithered factor (Storn, Price 1997).
 void differential_evolution(Search& search);
 /// A genetic algorithm on real numbers: tournaments of two, blend crossover, Gaussian mutation, one elite.
 void genetic_algorithm(Search& search);
 /// Generalised pattern search (Torczon 1997): polls both ways along every variable in one batch, halves its mesh on
-/// failure, and starts again at random once the mesh is fine.
+/// failure, and restarts at random once the mesh is fine.
 void pattern_search(Search& search);
 /// NLopt's SLSQP on the epigraph min s, a_k <= s over the largest peaks of the landing, with exact gradients; from the
-/// middle of the box, then from random starts. Under scatter on the measure over a part of the drops.
+/// centre of the box, then from random starts. Under scatter on the measure over some of the drops.
 void sequential_quadratic(Search& search);
-/// One of NLopt's algorithms without derivatives as it comes; a local one starts again at random until the search is
-/// over.
+/// One of NLopt's algorithms without derivatives; a local one restarts at random until the search is over.
 void nlopt_search(const std::string& name, Search& search);
 void random_search(Search& search);
 

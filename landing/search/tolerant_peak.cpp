@@ -32,12 +32,12 @@ TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const D
     longest = std::max(longest, work_of(p.work));
     if (p.peak > out.value) out.value = p.peak, out.worst = box(k).motion;
   }
-  constexpr long kInLanes = 10;  // a lane's step takes a tenth
+  constexpr long kInLanes = 10;  // steps in lanes cost a tenth
   if (samples * longest > kInLanes * kCheckWork) samples = int(kCheckWork / longest);
   if (!out.complete) samples = 0;
   out.samples = samples;
   if (samples == 0) return out;
-  // Many, so in lanes; the scalar path says what the worst of them is.
+  // In lanes; the worst again in the scalar path.
   std::vector<DrivenMotion> plays;
   std::vector<BatchCase> inside;
   plays.reserve(std::size_t(samples));

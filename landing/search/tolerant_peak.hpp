@@ -1,4 +1,4 @@
-// What a motion is worth when it is played inexactly.
+// The worst peak of a motion within the execution tolerance.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,8 @@
 
 namespace ukemi::landing {
 
-/// Evaluates the motions of the tolerant peak (kExecutionPoints), and random points inside for the check (in lanes at
-/// 1e-6; the worst by the scalar path), on `threads` threads: `samples` of them, or as many as kCheckWork allows where
-/// every landing is long.
+/// Evaluates the motions of the tolerant peak (kExecutionPoints), and as a check `samples` random points inside the box
+/// (in lanes at 1e-6, the worst again in the scalar path), or as many as kCheckWork allows where landings are long.
 [[nodiscard]] TolerantPeak tolerant_peak(const Scene& scene, const MotionSpace& space, const DrivenMotion& play,
                                          const SimulateOptions& options, int samples, std::uint64_t seed, int threads);
 /// The tolerant peak of a motion of Eq. 6.

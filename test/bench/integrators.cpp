@@ -39,7 +39,7 @@ Result ours(const Case& c, double accuracy) {
   Result r;
   r.peak = p.peak, r.derivatives = p.work.derivatives, r.events = p.work.events;
   r.place = place_of(System(c.scene, c.sea, c.motion),
-                     Eigen::Map<const Eigen::Matrix<double, kMechanical, 1>>(p.state.data()));
+                     Eigen::Map<const Eigen::Matrix<double, landing::kMechanical, 1>>(p.state.data()));
   r.failed = p.end != landing::End::kTimeLimit;
   for (const landing::Touch& t : landing::simulate(c.scene, c.sea, c.motion, options(accuracy)).touches)
     if (r.touched < int(r.touchdowns.size())) r.touchdowns[r.touched++] = "HKF"[t.point];

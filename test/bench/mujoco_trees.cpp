@@ -88,11 +88,11 @@ int main(int argc, char** argv) {
   for (int n = 0; n < trees; ++n) {
     Random r(seed, std::uint64_t(n));
     const Robot robot =
-        random_tree(r, kMostLinks, std::array{Base::kFree, Base::kRail, Base::kPinned}[std::size_t(n % 3)]);
+        random_tree(r, kMaxLinks, std::array{Base::kFree, Base::kRail, Base::kPinned}[std::size_t(n % 3)]);
     worst = std::max(worst, apart(robot, random_state(r, robot), path));
   }
   std::filesystem::remove(path);
   fmt::print("{} random trees of 2 to {} links beside MuJoCo {}: accelerations within {:.1e} of the tree's largest\n",
-             trees, kMostLinks, mj_versionString(), worst);
+             trees, kMaxLinks, mj_versionString(), worst);
   return worst < 1e-9 ? 0 : 1;
 }

@@ -223,5 +223,5 @@ TEST_CASE("atlas: bad input is refused, and nothing is written") {
   check_refused(f, kAtlas + Arguments{"--scatter", "height=0.1"} + kOut, {"--scatter: without --robust"});
   check_refused(f, kAtlas + Arguments{"--robust", "best"} + kOut, {"--robust: 'best'"});
   check_refused(f, {"atlas", kPaper, "-o", "out"}, {"SCENE and --actuator are needed"});
-  check_refused(f, {"atlas", kPaper, "--merge", "a", "-o", "out"}, {"--merge: SCENE has no say"});
+  check_refused(f, {"atlas", kPaper, "--merge", "a", "-o", "out"}, {"--merge: SCENE has no effect"});
 }

@@ -178,7 +178,7 @@ TEST_CASE("design of a robot of links: of commands, those to log next, and what 
                 {"--heights: -1 m", "at least 0"});
   check_refused(f, design + kOut, {"--noise is needed"});
   check_refused(f, design + Arguments{"--noise", "phi=0.001", "--peak", "100"} + kOut,
-                {"--peak", "no say with --robot"});
+                {"--peak", "no effect with --robot"});
   check_refused(f, Arguments{"design", "--robot", robot, "--free", "drive.hip.i_motor"} + kOut, {"--next"});
   check_refused(f, Arguments{"design", "--robot", robot, "--next", "swing.csv"} + kOut, {"--free"});
   check_refused(f, Arguments{"design", "--next", "swing.csv", "--rig", kRig, "--actuator", kTable2} + kOut,

@@ -168,13 +168,18 @@ TEST_CASE("a plan of a robot of links has shape terms and gains, in its files an
   }
 }
 
-TEST_CASE("a joint that --hold names stays there, though its scene lets it move in the air") {
-  const Folder f;
+/// The hopper's scene with a release at other angles than its held ones; its path.
+static std::string released_hopper(const Folder& f) {
   std::string text = read(kHopper);
   text = std::regex_replace(text, std::regex("robot = \"[^\"]*\""), "robot = \"leg.toml\"");
   f.write("leg.toml", read(dataset("robots/hopper.toml")));
-  const std::string released = f.write(
-      "released.toml", text + "[release]\nfrom = 0.02\n[release.hip]\nphi_deg = 20\n[release.knee]\nphi_deg = -40\n");
+  return f.write("released.toml",
+                 text + "[release]\nfrom = 0.02\n[release.hip]\nphi_deg = 20\n[release.knee]\nphi_deg = -40\n");
+}
+
+TEST_CASE("a joint that --hold names stays there, though its scene lets it move in the air") {
+  const Folder f;
+  const std::string released = released_hopper(f);
   done(f, {"simulate", released, "--hold", "hip=35,knee=-70", "-o", "held"});
   done(f, {"simulate", kHopper, "--hold", "hip=35,knee=-70", "-o", "plain"});
   const auto peak = [&](const char* folder) { return summary(f, folder)["peak_acceleration"].get<double>(); };
@@ -249,6 +254,10 @@ TEST_CASE("trade: shards are put together, Ctrl-C is gone on from") {
   refused({"--merge", "s1", "-o", "bad"}, {"--merge: 2 of 4 designs are in none of the folders"});
   refused({"--merge", "s1", "none", "-o", "bad"}, {"none/trade.part: there is none"});
   refused({"--merge", "s1", "s2", "--seed", "2", "-o", "bad"}, {"s1/trade.part: begun for another trade"});
+  const Arguments in_air = {"trade", released_hopper(f), "--vary", "drive.knee.k_p=20:100:2", "--evaluations", "200"};
+  done(f, in_air + Arguments{"--release-from", "0.03", "--shard", "1/2", "-o", "r1"});
+  check_refused(f, in_air + Arguments{"--release-from", "0.04", "--merge", "r1", "-o", "bad"},
+                {"r1/trade.part: begun for another trade"});
   refused({"--shard", "5/5", "-o", "bad"}, {"--shard: '5/5'", "N up to 4"});
   refused({"--pareto", "peak,knee"}, {"--vary or --pareto"});
 

@@ -305,7 +305,7 @@ TEST_CASE("an atlas keeps forbidden contacts and ratings, of the paper's robot t
   }
   CHECK(fastest > 2);
   check_refused(f, {"atlas", "--ask", "links", "--forbid", "slider"}, {"--ask: ", "--forbid"});
-  check_refused(f, {"atlas", "--merge", "links1", "--respect-ratings"}, {"--merge: --respect-ratings has no say"});
+  check_refused(f, {"atlas", "--merge", "links1", "--respect-ratings"}, {"--merge: --respect-ratings has no effect"});
   check_refused(f, links + Arguments{"--forbid", "sldier"}, {"--forbid: ", "slider"});
   f.write("named.toml", read(f.at("scene.toml")) + replaced(kKnee, "\"knee\"", "\"slider.touch\""));
   check_refused(f, {"atlas", "named.toml", "--height", "0.2:0.3:2", "--forbid", "slider"},

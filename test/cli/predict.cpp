@@ -241,7 +241,7 @@ TEST_CASE("identify --robot: what is named twice, not read, or says nothing is t
   CHECK_THAT(run(identify({"gap.csv"}), f.at("")).err,
              Contains("1 gap, the widest of 0.082 s at 0.198 s, where a row takes 0.002 s") &&
                  Contains("column 'y_arm' is not read: trials have places of the base of a free robot alone"));
-  check_refused(f, {"predict", "plain.csv", "--robot", robot, "--strict", "-o", "bad"}, {"--strict: it has no say"});
+  check_refused(f, {"predict", "plain.csv", "--robot", robot, "--strict", "-o", "bad"}, {"--strict: it has no effect"});
   // What a fit did not trust is told by what takes its robot.
   CHECK_THAT(read(f.at("out/robot.toml")), Contains("constants = [\"drive.arm.k_p\"") && Contains("verdicts = ["));
   const std::string hopper = read(dataset("robots/hopper.toml"));

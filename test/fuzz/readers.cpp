@@ -54,7 +54,7 @@ void trial(const std::string& bytes) {
   const File file(bytes);
   accepts([&] {
     identify::Trial t = identify::read_trial(file.path(), {.require_phi = false});
-    identify::rest_between_hits(t);
+    identify::flatten_force_between_hits(t);
     (void)identify::gaps(t);
     (void)identify::noise_level(t.phi);
   });

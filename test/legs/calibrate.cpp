@@ -168,13 +168,13 @@ TEST_CASE("calibrate: the law that the drops ask for is named, and taken where t
   BodyCalibration c = calibrate(start, drops, o);
   REQUIRE(c.laws.size() >= 3);
   CHECK(c.laws[0].law == of.wrong);
-  CHECK(c.laws[c.asked].law == of.truth);
-  CHECK(c.laws[c.asked].bic < -kDecisive);
-  CHECK(c.laws[c.asked].held_out < c.laws[0].held_out);
+  CHECK(c.laws[c.best_law].law == of.truth);
+  CHECK(c.laws[c.best_law].bic < -kDecisive);
+  CHECK(c.laws[c.best_law].held_out < c.laws[0].held_out);
   CHECK(c.law_rejected());
   CHECK_FALSE(c.trusted());
-  take_asked_law(c, drops, o);
-  CHECK(c.own == c.asked);
+  adopt_best_law(c, drops, o);
+  CHECK(c.scene_law == c.best_law);
   CHECK(law_of(c.scene.robot) == of.truth);
   const identify::Estimate& mu = constant(c, "friction");
   REQUIRE(mu.std.has_value());
@@ -198,7 +198,7 @@ TEST_CASE("calibrate: which constants a scene of links has") {
   BodyScene s = shipped("hopper");
   CHECK(drop_choice(s).free == std::vector<std::string>{"stiffness", "damping_normal", "damping_tangential",
                                                         "stiffness_tangential", "friction"});
-  s.robot.contacts[2].own = {"friction"}, s.robot.contacts[2].law.friction = 0.5;
+  s.robot.contacts[2].own_keys = {"friction"}, s.robot.contacts[2].law.friction = 0.5;
   s.robot.contacts[2].pad = Pad{0.01, 2000, 20};
   CHECK(drop_choice(s).free == std::vector<std::string>{"stiffness", "damping_normal", "damping_tangential",
                                                         "stiffness_tangential", "friction", "foot.friction",

@@ -37,8 +37,8 @@ TEST_CASE("a contact's times are where its force passes the levels, between two 
   const double length = 0.3001 - 0.1003;
   CHECK(all[0].touchdown == Approx(0.1003 + kLate * length).margin(5e-5));
   CHECK(all[0].liftoff == Approx(0.3001 - kEarly * length).margin(5e-5));
-  CHECK(std::isnan(all[0].left));
-  CHECK(all[1].left == all[0].liftoff);
+  CHECK(std::isnan(all[0].previous_liftoff));
+  CHECK(all[1].previous_liftoff == all[0].liftoff);
   CHECK(all[1].flight() == Approx(0.6 - 0.3001 + kLate * 0.2 + kEarly * length).margin(1e-4));
   CHECK(all[1].duration() == Approx(0.2 * (1 - kLate - kEarly)).margin(1e-4));
 }
@@ -72,11 +72,11 @@ TEST_CASE("a contact that chatters stands through flights below 10 ms, and noise
 TEST_CASE("what stands by its weight alone after a hard landing stands") {
   Log log(1, {{0.1, 0.11}});
   for (std::size_t i = 0; i < log.t.size(); ++i) log.force[i] = 50 * log.force[i] + (log.t[i] > 0.105 ? 20 : 0);
-  const auto level = [](double noise) { return stance_level(5000, 20, noise); };
+  const auto level = [](double noise) { return stance_threshold(5000, 20, noise); };
   const std::vector<Stance> all = stances(log.t, log.force, level(0.1));
   REQUIRE(all.size() == 1);
   CHECK(std::isnan(all[0].liftoff));
   CHECK(level(std::nan("")) == level(0.1));
   CHECK(level(30) == 30);
-  CHECK(stance_level(100, 0, 1) == 5);
+  CHECK(stance_threshold(100, 0, 1) == 5);
 }

@@ -59,7 +59,7 @@ TEST_CASE("a driven robot moves as the textbook's pendulum does", "[driven]") {
   for (std::size_t j = 0; j < 2; ++j) {
     double worst = 0, limited = 0;
     for (std::size_t i = 0; i < t.log.t.size(); ++i) {
-      worst = std::max(worst, std::abs(r.joint[j][kAngle][i] - t.log.output[kSensed * j + kAngle][i]));
+      worst = std::max(worst, std::abs(r.joint[j][kAngle][i] - t.log.output[kJointSignals * j + kAngle][i]));
       limited += std::abs(r.joint[j][kTorque][i]) == p.limit[j];
     }
     CHECK(worst < 2e-5);
@@ -207,7 +207,7 @@ TEST_CASE("differences of a driven rollout are its derivatives", "[driven]") {
     settings.push_back({&o.terms["start.knee.dphi"], 0.05});
     FollowedDrop d = simulator.follow(0, settings, c.trials[0].log.t, {});
     REQUIRE(simulator.differentiate(0, settings, c.trials[0].log.t, {}, d));
-    return d.slope[kSensed + kAngle];
+    return d.slope[kJointSignals + kAngle];
   };
   const Eigen::MatrixXd used = slopes(c.options.difference), finer = slopes(c.options.difference / 4);
   for (long k = 0; k < used.cols(); ++k) CHECK((used.col(k) - finer.col(k)).norm() < 1e-4 * finer.col(k).norm());
@@ -406,10 +406,10 @@ TEST_CASE("a log of an encoder's steps has at least the noise of its steps", "[d
   for (double& x : c.trials[0].log.output[kAngle]) x = kStep * std::round(x / kStep);
   const RobotTrials trials(c.robot, c.trials, c.options);
   CHECK(noise_of(trials)[kAngle] >= kStep / std::sqrt(12.0) * (1 - 1e-6));
-  CHECK(noise_of(trials)[kSensed + kAngle] < 1e-4);
+  CHECK(noise_of(trials)[kJointSignals + kAngle] < 1e-4);
 }
 
-TEST_CASE("what commands pass through stands with the robot, and a scene that names one has no say", "[driven]") {
+TEST_CASE("what commands pass through stands with the robot, and a scene that names one has no effect", "[driven]") {
   const test::Folder folder;
   std::string scene = test::read(UKEMI_DATASETS "/scenes/hopper.toml");
   const std::string from = "../robots/hopper.toml";
@@ -484,7 +484,7 @@ TEST_CASE("a prediction stands beside what knows no physics", "[driven]") {
   const Pendulum p;
   Case c(p, 1, 4, 0, kFree);
   const RobotFit right = predict_robot(c.robot, c.trials, c.options);
-  for (const std::size_t channel : {std::size_t(kAngle), std::size_t(kSensed + kAngle)}) {
+  for (const std::size_t channel : {std::size_t(kAngle), std::size_t(kJointSignals + kAngle)}) {
     const Baseline b = baselines(right, logs_of(c.trials))[channel];
     REQUIRE(b.known());
     CHECK(b.beaten());
@@ -528,7 +528,7 @@ TEST_CASE("measured: a double pendulum hangs at zero, and its torques turn its a
     RobotFitOptions options;
     options.terms = robot_terms(robot, trials), options.threads = 2;
     const RobotFit fit = predict_robot(robot, trials, options);
-    return std::array{fit.rms[kAngle], fit.rms[kSensed + kAngle]};
+    return std::array{fit.rms[kAngle], fit.rms[kJointSignals + kAngle]};
   };
   const auto right = residual("", ""), turned = residual("", "-1*");
   CHECK(right[0] == Approx(0.101).epsilon(0.1));
@@ -565,9 +565,9 @@ TEST_CASE("measured: a leg's push, flight and landing are followed from a first 
       "drive.knee.i_motor",           "drive.hip.viscous_friction",       "robot.contact.foot.friction",
       "robot.contact.stop.stiffness", "robot.contact.stop.damping_normal"};
   const RobotFit fit = fit_robot(robot, trials, options);
-  INFO(first.rms[kAngle] << " " << first.rms[kSensed + kAngle] << ", fitted " << fit.rms[kAngle] << " "
-                         << fit.rms[kSensed + kAngle]);
+  INFO(first.rms[kAngle] << " " << first.rms[kJointSignals + kAngle] << ", fitted " << fit.rms[kAngle] << " "
+                         << fit.rms[kJointSignals + kAngle]);
   CHECK(fit.rms[kAngle] < 0.03);
-  CHECK(fit.rms[kSensed + kAngle] < 0.03);
+  CHECK(fit.rms[kJointSignals + kAngle] < 0.03);
   CHECK_FALSE(fit.trusted());
 }

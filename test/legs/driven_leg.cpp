@@ -303,15 +303,15 @@ TEST_CASE("a band of a touchdown is how it moves with the constants' errors", "[
   robot.scene.robot.links[2].mass += error;
   const RobotFit moved = predict_robot(robot, trials, options);
   const auto &before = here.drops[0].changes, &after = moved.drops[0].changes;
-  REQUIRE(here.promises.at(0).known());
+  REQUIRE(here.bands.at(0).known());
   REQUIRE(before.size() == after.size());
   REQUIRE(before.size() > 1);
   for (std::size_t i = 0; i < before.size(); ++i) {
     INFO("change " << i << " at " << before[i].t << " moves by " << after[i].t - before[i].t);
-    const double promised = here.promises[0].half_band(i) / kNormal975;
+    const double promised = here.bands[0].half_band(i) / kNormal975;
     CHECK(promised == Approx(std::abs(after[i].t - before[i].t)).epsilon(0.1).margin(5e-6));
     if (i > 0)
-      CHECK(here.promises[0].half_band(i - 1, i) / kNormal975 ==
+      CHECK(here.bands[0].half_band(i - 1, i) / kNormal975 ==
             Approx(std::abs(after[i].t - before[i].t - after[i - 1].t + before[i - 1].t)).epsilon(0.1).margin(5e-6));
   }
 }

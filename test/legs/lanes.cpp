@@ -214,7 +214,7 @@ TEST_CASE("legs: loads and limits in lanes are those of the scalar path") {
       std::vector<BodyLanding> lanes(motions.size());
       std::vector<BodyBatchCase> cases;
       for (const BodyMotion& m : motions) cases.push_back({&limited, &m});
-      body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, quickest_instruction_set(motions.size()));
+      body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, fastest_instruction_set(motions.size()));
       int differ = 0, broken = 0;
       for (std::size_t k = 0; k < motions.size(); ++k) {
         const BodyLanding one = peak_acceleration(limited, motions[k], {.accuracy = 1e-9});
@@ -242,7 +242,7 @@ TEST_CASE("legs: limits of joints in lanes are those of the scalar path") {
     std::vector<BodyLanding> lanes(motions.size());
     std::vector<BodyBatchCase> cases;
     for (const BodyMotion& m : motions) cases.push_back({&scene, &m});
-    body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, quickest_instruction_set(motions.size()));
+    body_batch_peaks(cases, lanes, {.accuracy = 1e-7}, 1, fastest_instruction_set(motions.size()));
     std::array<int, 3> count{};  // kept by both, broken in both, otherwise
     for (std::size_t k = 0; k < motions.size(); ++k) {
       const BodyLanding one = peak_acceleration(scene, motions[k], {.accuracy = 1e-9});

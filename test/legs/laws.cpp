@@ -56,7 +56,7 @@ TEST_CASE("legs: the paper's two links are an instance: accelerations within 1e-
   robot.contacts = {{"hip", 0, {}, law, {}}, {"knee", 0, {0.3, 0}, law, {}}, {"foot", 1, {0.3, 0}, law, {}}};
   robot.peak = {0.15, 0};
   System leg(robot, 0);
-  leg.piece[0] = standing_at(-0.8);
+  leg.piece[0] = constant_reference(-0.8);
   LandingSystem<kExtendedTerms, false> two(scene, sea, {-0.8, -0.8, 0.3});
   Random r(kSeed, 1);
   for (int n = 0; n < 1000; ++n) {
@@ -87,7 +87,7 @@ TEST_CASE("legs: random trees keep their energy, a free one its momentum, and fa
   for (const Base base : {Base::kFree, Base::kRail, Base::kPinned})
     for (int n = 0; n < 20; ++n) {
       Random r(kSeed, std::uint64_t(100 * int(base) + n));
-      const Robot robot = random_tree(r, kMostLinks, base);
+      const Robot robot = random_tree(r, kMaxLinks, base);
       const System s(robot, base == Base::kFree ? 0.1 : 0);
       const State y = random_state(r, robot), end = after(s, y, 0.5);
       INFO("base " << int(base) << ", tree " << n << " of " << robot.links.size() << " links");
@@ -96,7 +96,7 @@ TEST_CASE("legs: random trees keep their energy, a free one its momentum, and fa
       CHECK(std::abs(end[System::kVy] - y[System::kVy] - 0.5 * s.gravity[1]) < 1e-11);
       const auto spin = [&](const State& at) {
         const auto p = s.pose(at);
-        std::array<double, MassMatrix<double, kAny>::kMost> ignored{};
+        std::array<double, MassMatrix<double, kAny>::kMax> ignored{};
         const MassMatrix<double, kAny> m(s.body, p, ignored);
         double out = 0;
         for (int j = 0; j < s.body.bodies; ++j)
@@ -111,13 +111,13 @@ TEST_CASE("legs: a tree in a mirror moves as its image does") {
   for (const Base base : {Base::kFree, Base::kRail, Base::kPinned})
     for (int n = 0; n < 100; ++n) {
       Random r(kSeed, std::uint64_t(1000 + 100 * int(base) + n));
-      const Robot robot = random_tree(r, kMostLinks, base);
+      const Robot robot = random_tree(r, kMaxLinks, base);
       Robot image = robot;
       for (Link& l : image.links) l.at.across *= -1, l.com.across *= -1;
       image.peak.across *= -1;
       const State y = random_state(r, robot);
       State z = y;
-      for (int i = 0; i < kMostLinks; ++i) z[System::kTheta + i] *= -1, z[System::kOmega + i] *= -1;
+      for (int i = 0; i < kMaxLinks; ++i) z[System::kTheta + i] *= -1, z[System::kOmega + i] *= -1;
       if (base == Base::kFree) z[System::kX] *= -1, z[System::kVx] *= -1;
       System one(robot, 0), other(image, 0);
       const State dy = one.derivative(0, y), dz = other.derivative(0, z);

@@ -44,14 +44,13 @@ TEST_CASE("a fit's band holds what comes", "[driven]") {
           c.folder.write("next.csv", log_of(p, 300, std::uint64_t(100 + draw), exact ? 1e-6 : kCoarse)),
           robot.scene.robot, {.columns = ""});
       const RobotFit predicted = predict_robot(robot, next, c.options);
-      REQUIRE(predicted.promises.size() == 1);
-      REQUIRE(predicted.promises[0].known());
+      REQUIRE(predicted.bands.size() == 1);
+      REQUIRE(predicted.bands[0].known());
       const DropResult& d = predicted.drops[0];
       double mean = 0;
-      for (const std::size_t o : {std::size_t(kAngle), std::size_t(kSensed + kAngle)})
+      for (const std::size_t o : {std::size_t(kAngle), std::size_t(kJointSignals + kAngle)})
         for (std::size_t i = 0; i < d.value[o].size(); ++i) {
-          const double off = std::abs(d.value[o][i] - next[0].log.output[o][i]),
-                       band = predicted.promises[0].band[o][i];
+          const double off = std::abs(d.value[o][i] - next[0].log.output[o][i]), band = predicted.bands[0].band[o][i];
           if (exact)
             mean += std::pow(off / band * kNormal975, 2) / double(2 * d.value[o].size());
           else
@@ -75,13 +74,13 @@ TEST_CASE("a band is how a prediction moves with the constants' errors", "[drive
   const RobotFit here = predict_robot(robot, c.trials, c.options);
   robot.scene.robot.links[1].mass += error;
   const RobotFit moved = predict_robot(robot, c.trials, c.options);
-  REQUIRE(here.promises.at(0).known());
-  for (const std::size_t o : {std::size_t(kAngle), std::size_t(kSensed + kAngle), std::size_t(kTorque)}) {
+  REQUIRE(here.bands.at(0).known());
+  for (const std::size_t o : {std::size_t(kAngle), std::size_t(kJointSignals + kAngle), std::size_t(kTorque)}) {
     double squares = 0, off = 0;
     for (std::size_t i = 0; i < c.trials[0].log.t.size(); ++i) {
       const double change = std::abs(moved.drops[0].value[o][i] - here.drops[0].value[o][i]),
-                   promised = std::sqrt(std::max(
-                       0.0, std::pow(here.promises[0].band[o][i] / kNormal975, 2) - std::pow(here.noise[o], 2)));
+                   promised = std::sqrt(
+                       std::max(0.0, std::pow(here.bands[0].band[o][i] / kNormal975, 2) - std::pow(here.noise[o], 2)));
       squares += change * change, off += std::pow(change - promised, 2);
     }
     INFO(c.trials[0].log.output.size() << " outputs, of output " << o << " off " << std::sqrt(off / squares));
@@ -108,7 +107,7 @@ TEST_CASE("each run has constants of its own, and a run to come is promised what
   c.options.terms = robot_terms(c.robot, c.trials), c.options.terms.free = free;
   c.options.terms.upper[friction] = 0.2;
   const RobotFit shared = fit_robot(c.robot, c.trials, c.options);
-  give_each_run({friction}, c.trials, c.options);
+  fit_per_run({friction}, c.trials, c.options);
   CHECK(c.options.terms.free.size() == free.size() + 2);
   CHECK(c.options.terms.upper.at(friction + "@3") == 0.2);
   const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
@@ -131,8 +130,8 @@ TEST_CASE("each run has constants of its own, and a run to come is promised what
   const auto at = std::find(order.begin(), order.end(), friction) - order.begin();
   REQUIRE(order.size() == free.size());
   CHECK(std::sqrt(covariance(at, at)) == Approx(0.0252).epsilon(0.05));  // the scatter of the three
-  CHECK_THROWS_WITH(give_each_run({"drive.hip.k_p"}, c.trials, c.options), Catch::Contains("it is not fitted"));
-  CHECK_THROWS_WITH(give_each_run({"drive.hip.frction"}, c.trials, c.options), Catch::Contains("drive.hip.frction"));
+  CHECK_THROWS_WITH(fit_per_run({"drive.hip.k_p"}, c.trials, c.options), Catch::Contains("it is not fitted"));
+  CHECK_THROWS_WITH(fit_per_run({"drive.hip.frction"}, c.trials, c.options), Catch::Contains("drive.hip.frction"));
 }
 
 TEST_CASE("an encoder's zero is told, of each run its own, by gravity and by what was asked", "[driven]") {
@@ -151,7 +150,7 @@ TEST_CASE("an encoder's zero is told, of each run its own, by gravity and by wha
     }
   }
   c.options.terms = robot_terms(c.robot, c.trials), c.options.terms.free = free;
-  give_each_run({zero}, c.trials, c.options);
+  fit_per_run({zero}, c.trials, c.options);
   const RobotFit fit = fit_robot(c.robot, c.trials, c.options);
   REQUIRE(fit.converged);
   CHECK(fit.rms[kAngle] == Approx(2e-4).epsilon(0.1));

@@ -121,7 +121,7 @@ TEST_CASE("sticking: what is held needs the torques that would hold it: random t
     State y = random_state(r, robot);
     for (int k = 0; k < System::kPlaces; ++k) {
       s.slip_of(k) = 1;
-      if (s.rubs_at(k) && r.uniform() < 0.6) s.cross_friction(System::kOfPlace * k, y);
+      if (s.has_friction_at(k) && r.uniform() < 0.6) s.cross_friction(System::kGuardsPerPlace * k, y);
     }
     INFO("draw " << i);
     const auto hold = s.holds(0.0, y);
@@ -129,9 +129,9 @@ TEST_CASE("sticking: what is held needs the torques that would hold it: random t
     State dy;
     // As torques of the joints, and a force along the rail, of a robot on which nothing rubs.
     System free = s;
-    free.rubs = false;
+    free.has_friction = false;
     for (int k = 0; k < System::kPlaces; ++k)
-      if (s.rubs_at(k) && s.slip_of(k) == 0) CHECK(s.rate_of(k, held) == 0);
+      if (s.has_friction_at(k) && s.slip_of(k) == 0) CHECK(s.rate_of(k, held) == 0);
     const auto torque_of = [&](int j, double* motor) {
       const double tau = s.torque(j, 0.0, y, motor);
       return tau - (s.slip_of(kSides * j) == 0 ? hold[std::size_t(kSides * j)].torque : 0);

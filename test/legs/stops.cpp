@@ -180,7 +180,7 @@ TEST_CASE("stops: they are read, kept as numbers of a design, and refused with t
     crowded += fmt::format("[stop.{}]\nphi_deg = [-170, 170]\nstiffness = 1\n", at);
   refused(crowded, "13 contacts and ends of stops: at most 12 are needed");
   for (int k = 0; k < 12; ++k) s.robot.contacts.push_back(s.robot.contacts[0]);
-  s.robot.contacts.resize(kMostContacts);
+  s.robot.contacts.resize(kMaxContacts);
   CHECK_THROWS_WITH(s.robot.validate(), Catch::Contains("contacts and ends of stops"));
 }
 

@@ -80,7 +80,7 @@ TEST_CASE("hold: the motion whose reference never moves is in every space, also 
 TEST_CASE("hold: no search in the air is worse, whatever the goal, the solver, the shape terms and the budget") {
   const SeaParameters<double> sea = table2().sea;
   for (const Asked& asked : kGoals)
-    for (int bumps = 0; bumps <= kMostBumps; ++bumps) {
+    for (int bumps = 0; bumps <= kMaxBumps; ++bumps) {
       const Scene scene = falling(bumps);
       const ReferenceSpace space(scene, sea);
       const auto robust = robust_of(scene, asked);
@@ -106,7 +106,7 @@ TEST_CASE("hold: no search in the air is worse, whatever the goal, the solver, t
 TEST_CASE("hold: nor by a deadline") {
   const SeaParameters<double> sea = table2().sea;
   for (const Asked& asked : kGoals)
-    for (const int bumps : {0, 2, kMostBumps}) {
+    for (const int bumps : {0, 2, kMaxBumps}) {
       const Scene scene = falling(bumps);
       const ReferenceSpace space(scene, sea);
       const auto robust = robust_of(scene, asked);

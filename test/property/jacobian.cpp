@@ -88,7 +88,7 @@ TEMPLATE_TEST_CASE_SIG("jacobian: the rig's is exact", "", ((bool kLate), kLate)
     if (kLate) sea.control_delay = 1e-3, sea.velocity_filter = 2e-3;
     System system(sea, {.length = 0.3, .inertia = 0.024, .gravity = {r.uniform(0, 5), r.uniform(-1, 1)}});
     system.input = {.t = 0.1,
-                    .pushed = true,
+                    .has_force = true,
                     .curved = i % 2 == 0,
                     .force = {50, -2000, 3e4, -1e6},
                     .phi_ref = 0.1,

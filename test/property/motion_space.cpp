@@ -83,7 +83,7 @@ TEST_CASE("motion space: gradients follow its variables") {
   const DrivenMotion play = space.play(x);
   const auto found = all_gradients(scene, play.sea, play.motion, tight, 1);
   REQUIRE(found.peaks.size() == 1);
-  Eigen::Matrix<double, kPlayNumbers, 1> by_numbers;
+  Eigen::Matrix<double, kDrivenNumbers, 1> by_numbers;
   by_numbers << found.peaks[0].d.head<kMotionNumbers>(), found.peaks[0].d.tail<kConstants>();
   const Eigen::VectorXd gradient = space.jacobian(x).transpose() * by_numbers;
   for (int k = 0; k < 4; ++k) {
@@ -158,5 +158,5 @@ TEST_CASE("motion space: ranges must be ranges") {
   };
   CHECK_THROWS_AS(Bare(std::vector<Variable>{}), InputError);
   CHECK_THROWS_AS(Bare(std::vector<Variable>{{"x", "x", "1", 2, 1}}), InputError);
-  CHECK_THROWS_AS(Bare(std::vector<Variable>(kMostVariables + 1, {"x", "x", "1", 0, 1})), InputError);
+  CHECK_THROWS_AS(Bare(std::vector<Variable>(kMaxVariables + 1, {"x", "x", "1", 0, 1})), InputError);
 }

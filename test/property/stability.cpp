@@ -18,7 +18,7 @@ TEST_CASE("stability: stiff and extreme landings pass, are sensitive, or are ref
   constexpr long kMaxSteps = 50'000;
   int cases = 0, refused = 0, beyond = 0, sensitive = 0;
   for (const StabilityCase& c : stability_grid(scene, sea, 60, 1, 2)) {
-    const StabilityResult r = judge(c, {.max_steps = kMaxSteps});
+    const StabilityResult r = check_stability(c, {.max_steps = kMaxSteps});
     INFO(c.factor << " " << c.setting << ": " << name(r.verdict) << " " << r.reason);
     CHECK(r.verdict != Verdict::kWrong);
     CHECK(r.work.steps <= kMaxSteps + 1);

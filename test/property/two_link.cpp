@@ -302,7 +302,7 @@ TEST_CASE("two_link: Jet derivatives of the field are its central differences") 
     const Jet tau = limited_torque<kExtended>(p, spring_torque<kExtended>(p, s), system.saturation);
     const Jet on_output = coulomb_torque(p, p.output_friction, p.output_friction_asymmetry,
                                          Jet(system.slip[kOutputSide]), s.dphi),
-              on_motor = coulomb_torque(p, loaded(p.friction, p.spring_loss, tau), p.friction_asymmetry,
+              on_motor = coulomb_torque(p, loaded_friction(p.friction, p.spring_loss, tau), p.friction_asymmetry,
                                         Jet(system.slip[kMotorSide]), s.dphi_m);
     const Accelerations<Jet> acc = solve(link, pose, Jet(output_torque<kExtended>(p, s.dphi, tau) - on_output), load);
     const Reference<double> ref = system.reference(t);

@@ -103,7 +103,7 @@ def test_measured_drops(scene, actuator, tmp_path):
     same(ukemi.optimize(scene, actuator, evaluations=2000, robust="mean", samples=16, drops=measured), tmp_path,
          "optimize", *paper, "--evaluations", 2000, "--robust", "mean", "--samples", 16)
     for wrong in ({"scatter": "height=0.01"}, {"inflate": 2}, {"inexact": True}):
-        with pytest.raises(ukemi.InputError, match="has no say"):
+        with pytest.raises(ukemi.InputError, match="has no effect"):
             ukemi.risk(scene, actuator, ukemi.hold(-45), drops=measured, **wrong)
 
 

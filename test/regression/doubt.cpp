@@ -115,7 +115,7 @@ TEST_CASE("load-cell noise: at rest between hits, weighed within them") {
   int trusted = 0, within = 0;
   for (int d = 0; d < n; ++d) {
     std::vector<Trial> logs = eight_hits({.load_cell = 0.5}, 300 + std::uint64_t(d));
-    for (Trial& t : logs) rest_between_hits(t, d % 2 ? std::optional(0.5) : std::nullopt);
+    for (Trial& t : logs) flatten_force_between_hits(t, d % 2 ? std::optional(0.5) : std::nullopt);
     for (const Trial& t : logs) CHECK(t.force_noise == Approx(0.5).epsilon(0.5));
     const Judged j = judged(logs);
     INFO("draw " << d << ": " << told(j));
@@ -140,7 +140,7 @@ TEST_CASE("1.2 s at 10 kHz with 0.02 N of load-cell noise fits, as it is logged 
   for (double& x : log.phi) x += kNoise * random.normal();
   for (double& x : log.force) x += 0.02 * random.normal();
   Trial quiet = log;
-  rest_between_hits(quiet);
+  flatten_force_between_hits(quiet);
   for (const Trial* t : {&log, &quiet}) {
     const Fit f = refit(rig(), {*t}, truth(), {});
     INFO(f.message << ", " << worst_error(f) << " s.e. off");

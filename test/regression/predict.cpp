@@ -43,7 +43,7 @@ TEST_CASE("a prediction's distance is that of the whole covariance") {
   PredictionCase c{.residual = random_matrix(n, 1, 4).col(0),
                    .by_constants = random_matrix(n, k, 2),
                    .covariance = root * root.transpose(),
-                   .by_own = Eigen::MatrixXd(n, 0),
+                   .by_fitted = Eigen::MatrixXd(n, 0),
                    .noise = noise};
   const Eigen::MatrixXd whole =
       Eigen::MatrixXd::Identity(n, n) * noise * noise + c.by_constants * c.covariance * c.by_constants.transpose();
@@ -53,7 +53,7 @@ TEST_CASE("a prediction's distance is that of the whole covariance") {
   for (long i = 0; i < n; ++i) CHECK(e.std[i] == Approx(std::sqrt(whole(i, i))).epsilon(1e-12));
 
   // What the trial's own terms can do does not count, and all errors twice as large halve the factor.
-  c.by_own = own;
+  c.by_fitted = own;
   const double alone = prediction_error(c, level).factor;
   c.residual += own * random_matrix(l, 1, 5);
   CHECK(prediction_error(c, level).factor == Approx(alone).epsilon(1e-9));
@@ -75,7 +75,7 @@ TEST_CASE("right predictions are above a factor of 1 in 1 % of draws, whether th
     PredictionCase c{.residual = j * off - Eigen::Map<Eigen::VectorXd>(log.data(), n),
                      .by_constants = j,
                      .covariance = covariance,
-                     .by_own = Eigen::MatrixXd(n, 0),
+                     .by_fitted = Eigen::MatrixXd(n, 0),
                      .noise = noise};
     known += prediction_error(c, 0.01).factor > 1;
     c.noise = noise_level(log), c.noise_variance = 10.3;  // as identify/trust/prediction.cpp has it

@@ -116,16 +116,16 @@ TEST_CASE("a hit and its mirror tell the same, half the noise tells four times a
 
 TEST_CASE("the criteria in closed form: the worst constant, the mean axis, the longest axis") {
   Eigen::MatrixXd information = Eigen::Vector2d(4, 25).asDiagonal();
-  CHECK(size_of(Criterion::kWorst, information) == Approx(0.5));
-  CHECK(size_of(Criterion::kD, information) == Approx(std::sqrt(0.5 * 0.2)));
-  CHECK(size_of(Criterion::kE, information) == Approx(0.5));
+  CHECK(criterion_value(Criterion::kWorst, information) == Approx(0.5));
+  CHECK(criterion_value(Criterion::kD, information) == Approx(std::sqrt(0.5 * 0.2)));
+  CHECK(criterion_value(Criterion::kE, information) == Approx(0.5));
   information = Eigen::Matrix2d{{2, 1}, {1, 2}};  // eigenvalues 1 and 3, variances 2/3
-  CHECK(size_of(Criterion::kWorst, information) == Approx(std::sqrt(2.0 / 3)));
-  CHECK(size_of(Criterion::kD, information) == Approx(std::pow(3, -0.25)));
-  CHECK(size_of(Criterion::kE, information) == Approx(1));
+  CHECK(criterion_value(Criterion::kWorst, information) == Approx(std::sqrt(2.0 / 3)));
+  CHECK(criterion_value(Criterion::kD, information) == Approx(std::pow(3, -0.25)));
+  CHECK(criterion_value(Criterion::kE, information) == Approx(1));
   information = Eigen::Matrix2d{{1, 1}, {1, 1}};
   for (const auto c : {Criterion::kWorst, Criterion::kD, Criterion::kE})
-    CHECK(size_of(c, information) == std::numeric_limits<double>::infinity());
+    CHECK(criterion_value(c, information) == std::numeric_limits<double>::infinity());
   CHECK(half_widths(Eigen::Vector2d(4, 25).asDiagonal(), 0)[0] == Approx(1.96 * 0.5).epsilon(1e-4));
 }
 
@@ -207,7 +207,8 @@ TEST_CASE("every criterion finds the set that is best by its own measure, within
     }
   }
   for (std::size_t i = 0; i < criteria.size(); ++i)
-    for (const Design& other : found) CHECK(found[i].size_after <= 1.005 * size_of(criteria[i], other.information));
+    for (const Design& other : found)
+      CHECK(found[i].size_after <= 1.005 * criterion_value(criteria[i], other.information));
 }
 
 TEST_CASE("the proposal does not depend on the number of threads") {

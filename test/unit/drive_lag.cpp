@@ -30,10 +30,10 @@ std::pair<Complex, Complex> response(const Lag& lag, double omega) {
   const Eigen::Matrix4cd inverse = (Complex(0, omega) * Eigen::Matrix4cd::Identity() - a).inverse();
   const Lag::State zero = Lag::State::Zero(), of_torque = lag.derivative(1, {0, 0, 0, 0}, zero),
                    of_rate = lag.derivative(0, {0, 0, 1, 0}, zero);
-  Complex torque = lag.torque(1, zero), rate = lag.seen({0, 0, 1, 0}, zero).dphi;
+  Complex torque = lag.torque(1, zero), rate = lag.filtered({0, 0, 1, 0}, zero).dphi;
   for (int j = 0; j < Lag::kStates; ++j) {
     torque += lag.torque(0, Lag::State::Unit(j)) * (inverse * of_torque)[j];
-    rate += lag.seen({0, 0, 0, 0}, Lag::State::Unit(j)).dphi * (inverse * of_rate)[j];
+    rate += lag.filtered({0, 0, 0, 0}, Lag::State::Unit(j)).dphi * (inverse * of_rate)[j];
   }
   return {torque, rate};
 }
@@ -59,8 +59,8 @@ TEST_CASE("drive lag: the delay is that of exp(-s T) and the filter that of 1 / 
       SeaParameters<ceres::Jet<double, 2>> seeded = late(time, time).cast<ceres::Jet<double, 2>>();
       seeded.control_delay.v[0] = seeded.velocity_filter.v[1] = 1;
       const auto [torque, rate] = response(Lag(DriveLag<ceres::Jet<double, 2>>(seeded)), omega);
-      const double x = omega * time, short_x = omega * Lag::kShortest;
-      const double bound = time >= Lag::kShortest ? std::pow(x, 6) / 7200 : std::pow(short_x, 3) / 60;
+      const double x = omega * time, short_x = omega * Lag::kShortestDelay;
+      const double bound = time >= Lag::kShortestDelay ? std::pow(x, 6) / 7200 : std::pow(short_x, 3) / 60;
       CHECK(std::abs(torque - std::exp(Complex(0, -x))) < 1.01 * bound + 1e-13);
       const double short_filter = omega * Lag::kShortestFilter;
       CHECK(std::abs(rate - 1.0 / Complex(1, x)) <

@@ -28,14 +28,14 @@ TEST_CASE(
   set_errors(Eigen::MatrixXd::Constant(1, 1, 1e-4), out);
   using enum Wording::Interval;
   for (const auto interval : {kRelative, kAbsolute}) {
-    change_errors(Eigen::MatrixXd::Constant(1, 1, 400), 2, interval, out);
+    update_errors(Eigen::MatrixXd::Constant(1, 1, 400), 2, interval, out);
     CHECK(out.parameters[0].verdict == Identifiability::kNotIdentifiable);
     REQUIRE(out.warnings.size() == 1);
     CHECK(out.warnings[0].find("a is not identifiable: the 95 % interval is 40") == 0);  // 40, or 400 %
-    change_errors(Eigen::MatrixXd::Constant(1, 1, 900), 2, interval, out);
+    update_errors(Eigen::MatrixXd::Constant(1, 1, 900), 2, interval, out);
     REQUIRE(out.warnings.size() == 1);
     CHECK(out.warnings[0].find("is 60") != std::string::npos);
-    change_errors(Eigen::MatrixXd::Constant(1, 1, 1e-4), 2, interval, out);
+    update_errors(Eigen::MatrixXd::Constant(1, 1, 1e-4), 2, interval, out);
     CHECK(out.warnings.empty());
   }
 }

@@ -85,7 +85,7 @@ TEST_CASE("force curve: pieces join, at rest and with an offset") {
     for (std::size_t k = 0; k + 1 < curve.pieces(); ++k) {
       const double h = curve.begin(k + 1) - curve.begin(k);
       REQUIRE(h > 0);
-      CHECK_THAT(moved(curve.piece(k), h)[0], WithinAbs(curve.piece(k + 1)[0], 1e-9));
+      CHECK_THAT(shifted(curve.piece(k), h)[0], WithinAbs(curve.piece(k + 1)[0], 1e-9));
     }
     for (std::size_t k : {0, 1}) CHECK(curve.piece(k) == Cubic{rest, 0, 0, 0});
     CHECK(curve.begin(1) == log.t[10]);

@@ -36,7 +36,7 @@ TEST_CASE("hits: found among noise, the force at rest between them, the noise to
   Trial t = log_of({{0.0505, 40}, {0.5005, -30}}, 0.3);
   CHECK(force_noise_before_first_hit(t) == Approx(0.3).epsilon(0.3));
   const Trial raw = t;
-  rest_between_hits(t);
+  flatten_force_between_hits(t);
   CHECK(t.force_noise == Approx(0.3).epsilon(0.1));
   CHECK(t.force_rest == 0);
   const std::vector<LoggedHit> found = hits(t, t.force_noise);
@@ -59,20 +59,20 @@ TEST_CASE("hits: the noise before the first hit is told from the hit's own rise 
     t.force.push_back((s > 0 && s < 1 ? 150 * std::sin(std::numbers::pi * s) : 0) + 0.02 * random.normal());
   }
   CHECK(force_noise_before_first_hit(t) == Approx(0.02).epsilon(0.15));
-  rest_between_hits(t);
+  flatten_force_between_hits(t);
   CHECK(t.force_noise == Approx(0.02).epsilon(0.05));
   CHECK(hits(t, t.force_noise).size() == 1);
 }
 
 TEST_CASE("hits: an offset of the load cell stays and is told, a given noise counts, no noise changes nothing") {
   Trial t = log_of({{0.0505, 40}}, 0.1, 0.5);
-  rest_between_hits(t, 0.1);
+  flatten_force_between_hits(t, 0.1);
   CHECK(t.force_noise == 0.1);
   CHECK(t.force_rest == Approx(0.5).margin(0.1));
   CHECK(t.force[500] == t.force_rest);
   Trial clean = log_of({{0.0505, 40}}, 0);
   const std::vector<double> before = clean.force;
-  rest_between_hits(clean);
+  flatten_force_between_hits(clean);
   CHECK(clean.force == before);
   CHECK(clean.force_noise == 0);
 }
@@ -82,7 +82,7 @@ TEST_CASE("hits: a force that goes on is no noise and is left alone") {
   for (std::size_t i = 0; i < t.force.size(); ++i)  // a sweep that grows
     t.force[i] = 1e-2 * double(i) * std::sin(1e-4 * double(i) * double(i));
   const std::vector<double> before = t.force;
-  rest_between_hits(t);
+  flatten_force_between_hits(t);
   CHECK(t.force == before);
 }
 
@@ -110,13 +110,13 @@ TEST_CASE("gaps: their place and length, in a hit or at rest, and jitter is none
   CHECK(rest[0].place == Gap::Place::kAtRest);
 }
 
-TEST_CASE("the angle answers along the force, against a flipped one, a still one has no say") {
+TEST_CASE("the angle answers along the force, against a flipped one, a still one has no effect") {
   Trial t = log_of({{0.0505, 40}}, 0);
-  CHECK(*answer_to_first_hit(t) > 0.9);
+  CHECK(*first_hit_correlation(t) > 0.9);
   for (double& f : t.force) f = -f;
-  CHECK(*answer_to_first_hit(t) < -0.9);
+  CHECK(*first_hit_correlation(t) < -0.9);
   std::fill(t.phi.begin(), t.phi.end(), 0.0);
-  CHECK_FALSE(answer_to_first_hit(t));
+  CHECK_FALSE(first_hit_correlation(t));
 }
 
 TEST_CASE("Holm: all rejected until one is not, together at their level") {

@@ -452,7 +452,7 @@ TEST_CASE("logs: times count from the first row, whatever the recorder's clock")
   Trial shared = b;
   CHECK(attach_force(shared, log, kRig, ForceClock::kShared) == 0);
   CHECK(shared.force_t.front() == Approx(-0.005).margin(3e-7));
-  CHECK(b.own_time(0.25) == "1700000000.25");
+  CHECK(b.clock_time(0.25) == "1700000000.25");
   Trial apart = a;
   CHECK_THROWS_WITH(attach_force(apart, log, kRig, ForceClock::kShared), Contains("from 1699999999.995 to "));
 

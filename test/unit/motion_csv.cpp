@@ -37,7 +37,7 @@ Motion again(const Motion& m, double start = kNever, double rate = 1000) {
 double difference(const Motion& a, const Motion& b) {
   double most = std::max({std::abs(a.phi_i - b.phi_i), std::abs(a.phi_f - b.phi_f), std::abs(a.duration - b.duration),
                           std::abs(a.gain_p - b.gain_p), std::abs(a.gain_d - b.gain_d)});
-  for (std::size_t k = 0; k < kMostBumps; ++k) most = std::max(most, std::abs(a.bumps[k] - b.bumps[k]));
+  for (std::size_t k = 0; k < kMaxBumps; ++k) most = std::max(most, std::abs(a.bumps[k] - b.bumps[k]));
   if (a.reposition.has_value() != b.reposition.has_value()) return kNever;
   if (a.reposition)
     most = std::max({most, std::abs(a.reposition->phi - b.reposition->phi),

@@ -93,12 +93,12 @@ TEST_CASE("a drop on another floor than the scene's has no verdicts of it") {
 }
 
 TEST_CASE("a normal number that is cut at three") {
-  CHECK(cut_normal(0.5) == Approx(0).margin(1e-15));
-  CHECK(cut_normal(0) == Approx(-3));
-  CHECK(cut_normal(1) == Approx(3));
+  CHECK(truncated_normal(0.5) == Approx(0).margin(1e-15));
+  CHECK(truncated_normal(0) == Approx(-3));
+  CHECK(truncated_normal(1) == Approx(3));
   constexpr int kCount = 100'000;
   std::vector<double> x;
-  for (int i = 0; i < kCount; ++i) x.push_back(cut_normal((i + 0.5) / kCount));
+  for (int i = 0; i < kCount; ++i) x.push_back(truncated_normal((i + 0.5) / kCount));
   CHECK(std::is_sorted(x.begin(), x.end()));
   CHECK(deviation(x) == Approx(0.98658).epsilon(1e-4));
 }
@@ -230,7 +230,7 @@ TEST_CASE("drops go through their file, whatever scatters") {
   for (std::size_t i = 0; i < read.size(); ++i) {
     const DropNumbers was = numbers(drops[i], actuator.sea), is = numbers(read[i], actuator.sea);
     for (const DropColumn& c : columns) CHECK(c.of(is) == Approx(c.of(was)).epsilon(1e-12).margin(1e-12));
-    const Eigen::Matrix<double, kPlayNumbers, 1> played = numbers(drops[i].played(planned));
+    const Eigen::Matrix<double, kDrivenNumbers, 1> played = numbers(drops[i].played(planned));
     CHECK((numbers(read[i].played(planned)) - played).cwiseAbs().maxCoeff() < 1e-9);
   }
   CHECK(scattered_columns(std::vector<ScatteredDrop>{{.scene = scene}}, scene, actuator.sea).empty());

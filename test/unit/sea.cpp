@@ -89,7 +89,7 @@ TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
   p.friction = 0.7, p.friction_asymmetry = 0.2, p.viscous = 0.3;
   p.output_friction = 0.4, p.output_friction_asymmetry = -0.5, p.output_viscous = 0.1;
   const auto motor = [&](double direction, double v) {
-    return coulomb_torque(p, loaded(p.friction, p.spring_loss, 0.0), p.friction_asymmetry, direction, v);
+    return coulomb_torque(p, loaded_friction(p.friction, p.spring_loss, 0.0), p.friction_asymmetry, direction, v);
   };
   const auto output = [&](double direction, double v) {
     return coulomb_torque(p, p.output_friction, p.output_friction_asymmetry, direction, v);
@@ -109,8 +109,8 @@ TEST_CASE("sea: friction on both sides, by direction, from its breakaway on") {
   // What the transmission carries rubs on the motor, whichever way it is carried.
   p.breakaway = 0, p.spring_loss = 0.1;
   for (const double tau : {-5.0, 5.0})
-    CHECK(loaded(p.friction, p.spring_loss, tau) == Approx(0.7 + 0.1 * 4.99).epsilon(1e-5));
-  CHECK(loaded(p.friction, p.spring_loss, 0.0) == 0.7);
+    CHECK(loaded_friction(p.friction, p.spring_loss, tau) == Approx(0.7 + 0.1 * 4.99).epsilon(1e-5));
+  CHECK(loaded_friction(p.friction, p.spring_loss, 0.0) == 0.7);
 }
 
 TEST_CASE("sea: a side at rest stays within its breakaway torque in either direction") {
@@ -118,7 +118,7 @@ TEST_CASE("sea: a side at rest stays within its breakaway torque in either direc
   p.breakaway = 0.5;
   const auto starts = [&](double torque) {
     const landing::Hold<double> h(p, 2.0, 0.25, torque);
-    return landing::breaks_loose(h.left_up(), h.left_down());
+    return landing::breakaway_direction(h.margin_up(), h.margin_down());
   };
   CHECK(starts(0) == 0);
   CHECK(starts(2 * 1.25 * 1.5) == 0);

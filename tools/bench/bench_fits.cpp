@@ -19,15 +19,15 @@ struct FitCase {
   std::string what;
   SeaParameters<double> truth;
   double rate = 1000;                             ///< [Hz]
-  std::vector<double> peaks{60, -120, 220, 300};  ///< of a half-sine hit each [N]
-  double pulse = 0.015;                           ///< [s]
-  double until = 0.6;                             ///< [s]
+  std::vector<double> peaks{60, -120, 220, 300};  ///< one half-sine hit for each [N]
+  double pulse = 0.015;                           ///< of a hit [s]
+  double duration = 0.6;                          ///< of a log [s]
 };
 
 identify::Trial simulated(const identify::Rig& rig, const FitCase& c, double peak, std::uint64_t seed,
                           std::uint64_t index) {
-  constexpr double kNoise = 2e-4;
-  identify::Trial t = identify::blank_log({peak, c.pulse}, {.rate = c.rate, .duration = c.until, .start = 0.02});
+  constexpr double kNoise = 2e-4;  // [rad]
+  identify::Trial t = identify::blank_log({peak, c.pulse}, {.rate = c.rate, .duration = c.duration, .start = 0.02});
   t.file = fmt::format("simulated {:g} N", peak);
   std::vector<double> phi_m;
   const identify::PreparedTrial prepared(t);
@@ -54,13 +54,13 @@ std::vector<FitCase> fit_cases() {
   add("logged at 100 Hz", [](FitCase& c) { c.rate = 100, c.pulse = 0.1, c.peaks = {10, -20, 30, 40}; });
   add("logged at 10 kHz", [](FitCase& c) { c.rate = 1e4; });
   add("hits that never leave the torque limit", [](FitCase& c) {
-    c.truth.tau_max = 0.05, c.peaks = {5, -8}, c.until = 0.1;
+    c.truth.tau_max = 0.05, c.peaks = {5, -8}, c.duration = 0.1;
   });
   add("a hit that makes the rig escape", [](FitCase& c) { c.peaks = {60, -120, 3000}; });
   add("no hit at all", [](FitCase& c) { c.peaks = {0, 0}; });
   add("one trial", [](FitCase& c) { c.peaks = {220}; });
   add("a thousand trials", [](FitCase& c) {
-    c.until = 0.25, c.peaks.clear();
+    c.duration = 0.25, c.peaks.clear();
     for (int i = 0; i < 1000; ++i) c.peaks.push_back((i % 2 ? -1 : 1) * (30 + 0.25 * i));
   });
   return cases;
@@ -79,7 +79,7 @@ const Quantities<FitResult> kFitQuantities = {
     {"said", "", "said", {}, [](auto& r) { return in_quotes(r.said); }},
 };
 
-FitResult fitted(const FitCase& c, std::uint64_t seed) {
+FitResult run_fit(const FitCase& c, std::uint64_t seed) {
   identify::Rig rig = identify::read_rig(dataset("rigs/paper.toml"));
   rig.tau_max = c.truth.tau_max;
   std::vector<identify::Trial> trials;
@@ -101,7 +101,7 @@ FitResult fitted(const FitCase& c, std::uint64_t seed) {
 
 Json stability_of_fits(Run& run, Report& report) {
   std::vector<FitResult> results;
-  for (const FitCase& c : fit_cases()) results.push_back(fitted(c, run.options().seed));
+  for (const FitCase& c : fit_cases()) results.push_back(run_fit(c, run.options().seed));
   report.heading("Fits of stiff and extreme data (simulated, 0.2 mrad of noise, no start given)");
   run.say("");
   (void)add_table(

@@ -1,5 +1,5 @@
-// ukemi bench identify: what the integrator, its step and the number of trials do to the fitted constants and to the
-// derivatives, against run time. The logs are simulated from Table 2, with noise.
+// ukemi bench identify: errors of the fitted constants and of the derivatives against run time, for several
+// integrators, steps and numbers of trials. The logs are simulated from Table 2, with noise.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,8 +32,8 @@ SeaParameters<Dual> seeded(const SeaParameters<double>& p) {
   return d;
 }
 
-/// Without a method: the rollout that fits use.
-RolloutOptions with(std::optional<Method> method, double setting) {
+/// `setting`: step [s] or accuracy. Without a method: the rollout that fits use.
+RolloutOptions options_for(std::optional<Method> method, double setting) {
   RolloutOptions o{.method = method, .max_steps = 1'000'000};
   (method && fixed_step(*method) ? o.max_step : o.accuracy) = setting;
   return o;
@@ -54,17 +54,17 @@ std::vector<Dual> sensitivities(const Rig& rig, const SeaParameters<double>& sea
 
 using Values = Eigen::Array<double, kConstants, 1>;
 
-struct Rung {
+struct Ladder {
   std::optional<Method> method;
-  std::vector<double> settings;
+  std::vector<double> settings;  ///< steps [s] or accuracies
 };
-const std::vector<Rung> kRungs = {{Method::kSemiImplicitEuler, {1e-3, 2e-4}},
-                                  {Method::kRungeKutta4, {1e-3, 5e-4, 2.5e-4}},
-                                  {Method::kDormandPrince54, {1e-4, 1e-6, 1e-8}},
-                                  {Method::kDormandPrince853, {1e-4, 1e-6, 1e-8, 1e-9, 1e-11}},
-                                  {{}, {1e-5, 1e-7, 1e-11, 1e-9}}};
+const std::vector<Ladder> kLadders = {{Method::kSemiImplicitEuler, {1e-3, 2e-4}},
+                                      {Method::kRungeKutta4, {1e-3, 5e-4, 2.5e-4}},
+                                      {Method::kDormandPrince54, {1e-4, 1e-6, 1e-8}},
+                                      {Method::kDormandPrince853, {1e-4, 1e-6, 1e-8, 1e-9, 1e-11}},
+                                      {{}, {1e-5, 1e-7, 1e-11, 1e-9}}};
 
-/// Fits of so many trials, over noise draws.
+/// Fits of a number of trials, over noise draws; bias and scatter relative, the largest of the constants.
 struct Entry {
   std::string method;
   double setting;
@@ -86,15 +86,15 @@ const Quantities<Entry> kEntryQuantities = {
     {"", "time_s", &Entry::seconds},
 };
 
-/// The shipped rig, its logs, and what they would be without noise under Table 2.
+/// The shipped rig, its logs, and the noise-free angles under Table 2.
 struct Bench {
   Rig rig;
   SeaParameters<double> truth;
   std::vector<Trial> logs;
   std::vector<PreparedTrial> prepared;
-  std::vector<std::vector<double>> exact;
+  std::vector<std::vector<double>> exact;  ///< phi of each trial without noise [rad]
   std::vector<Dual> derivatives;
-  Values scale = Values::Zero();
+  Values scale = Values::Zero();  ///< largest |derivative| by each constant
 
   explicit Bench(Run& run)
       : rig(read_rig(dataset("rigs/paper.toml"))), truth(read_actuator(dataset("actuators/table2.toml")).sea) {
@@ -106,7 +106,7 @@ struct Bench {
       std::vector<double> phi_m;
       (void)rollout(rig, truth, {}, t, {.accuracy = 1e-13, .max_steps = 1'000'000}, exact.emplace_back(), phi_m);
     }
-    derivatives = sensitivities(rig, truth, prepared, with(Method::kDormandPrince853, 1e-13));
+    derivatives = sensitivities(rig, truth, prepared, options_for(Method::kDormandPrince853, 1e-13));
     for (const Dual& d : derivatives) scale = scale.max(d.v.head<kConstants>().array().abs());
   }
 
@@ -129,26 +129,26 @@ struct Bench {
   }
 
   /// Adds bias, scatter and time to the entry.
-  void fit(Entry& e, std::optional<Method> method, const RolloutOptions& rolled, int draws, std::uint64_t seed) const {
+  void fit(Entry& e, std::optional<Method> method, const RolloutOptions& rollout, int draws, std::uint64_t seed) const {
     const auto u_of = [](const SeaParameters<double>& sea) -> Values { return Values(constants(sea).data()); };
     const Values u = u_of(truth);
-    Values sum = Values::Zero(), squares = Values::Zero(), error = Values::Zero();
+    Values sum = Values::Zero(), squares = Values::Zero(), sigma = Values::Zero();
     std::vector<double> seconds;
     FitOptions options;
     options.restarts = 0, options.method = method;
-    options.accuracy = rolled.accuracy, options.max_step = rolled.max_step;
+    options.accuracy = rollout.accuracy, options.max_step = rollout.max_step;
     for (int draw = 0; draw < draws; ++draw) {
       const std::vector<Trial> trials = noisy(e.trials, draw, seed);
       const Stopwatch watch(Stopwatch::Time::kProcess);
       const Fit fit = identify::fit(rig, trials, truth, {.tau_max = truth.tau_max}, options);
       seconds.push_back(watch.seconds());
       e.converged += fit.converged;
-      const Values off = u_of(fit.sea) / u - 1;
-      sum += off, squares += off.square();
-      for (int k = 0; k < kConstants; ++k) error[k] += fit.parameters[std::size_t(k)].std.value_or(NAN) / u[k] / draws;
+      const Values error_of_draw = u_of(fit.sea) / u - 1;
+      sum += error_of_draw, squares += error_of_draw.square();
+      for (int k = 0; k < kConstants; ++k) sigma[k] += fit.parameters[std::size_t(k)].std.value_or(NAN) / u[k] / draws;
     }
     const Values bias = (sum / draws).abs();
-    e.bias = bias.maxCoeff(), e.bias_z = (bias / error).maxCoeff();
+    e.bias = bias.maxCoeff(), e.bias_z = (bias / sigma).maxCoeff();
     e.scatter = (squares / draws - (sum / draws).square()).max(0.0).sqrt().maxCoeff();
     e.seconds = median(std::move(seconds));
   }
@@ -161,15 +161,15 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
   const Bench bench(run);
   std::vector<Entry> entries;
   std::vector<Series> plot;
-  for (const Rung& rung : kRungs) {
-    plot.push_back({name_of(rung.method), {}, {}});
-    for (const double setting : rung.settings) {
-      const RolloutOptions options = with(rung.method, setting);
+  for (const Ladder& ladder : kLadders) {
+    plot.push_back({name_of(ladder.method), {}, {}});
+    for (const double setting : ladder.settings) {
+      const RolloutOptions options = options_for(ladder.method, setting);
       const double derivative_error = bench.derivative_error(options);
       for (const int count : {1, 2, 4, 8}) {
-        if (count != 8 && setting != rung.settings.back()) continue;
-        Entry& e = entries.emplace_back(Entry{name_of(rung.method), setting, count, derivative_error});
-        bench.fit(e, rung.method, options, a.draws, run.options().seed);
+        if (count != 8 && setting != ladder.settings.back()) continue;
+        Entry& e = entries.emplace_back(Entry{name_of(ladder.method), setting, count, derivative_error});
+        bench.fit(e, ladder.method, options, a.draws, run.options().seed);
         if (count == 8) plot.back().x.push_back(1e3 * e.seconds), plot.back().y.push_back(e.derivative_error);
       }
     }

@@ -1,4 +1,4 @@
-// ukemi bench integrators: every method on a ladder of steps or tolerances, over the paper's scene, a stiff one and the
+// ukemi bench integrators: every method over a range of steps or tolerances, on the paper's scene, a stiff one and the
 // impact rig.
 #include <fmt/format.h>
 
@@ -28,8 +28,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTight = 1e-13;
 
-/// Where a landing ended: positions and angles.
-Eigen::Matrix<double, kVx, 1> place_of(const LandingPeak& p) {
+/// The final positions and angles of a landing [m, rad].
+Eigen::Matrix<double, kVx, 1> final_pose(const LandingPeak& p) {
   return Eigen::Map<const Eigen::Matrix<double, kVx, 1>>(p.state.data());
 }
 
@@ -38,18 +38,18 @@ struct Errors {
   double peak = 0;       ///< relative
   double touchdown = 0;  ///< [s]; infinite where one is missing or there is one too many
   double state = 0;      ///< of the final positions [m, rad]
-  void worst(const Errors& o) {
+  void include(const Errors& o) {
     peak = std::max(peak, o.peak), touchdown = std::max(touchdown, o.touchdown), state = std::max(state, o.state);
   }
 };
 
-/// One rung: a method at a step [s] (fixed-step methods) or an accuracy.
+/// A method at a step [s] (fixed-step methods) or an accuracy.
 struct Entry {
   std::string scene;
   Method method;
   double setting;
   Errors errors;
-  double seconds = 0, rhs = 0, events = 0;  ///< a case, mean; seconds: the median over the repetitions
+  double seconds = 0, rhs = 0, events = 0;  ///< means per case; seconds: the median over the repetitions
   int failed = 0;
 };
 
@@ -67,7 +67,7 @@ const Quantities<Entry> kEntryQuantities = {
     {"failed", "failed", "failed", {}, &Entry::failed},
 };
 
-/// An error against time, a curve a method.
+/// One of the errors against time [us], a curve for each method.
 std::vector<Series> curves(const std::vector<Entry>& entries, double Errors::*error) {
   std::vector<Series> out;
   for (const Entry& e : entries) {
@@ -77,8 +77,8 @@ std::vector<Series> curves(const std::vector<Entry>& entries, double Errors::*er
   return out;
 }
 
-/// A scene's cases behind one face: `run(i, method, setting, errors)` follows case i, returns its work, and fills the
-/// errors where `errors` is not null.
+/// The cases of a scene: `run(i, method, setting, work, errors)` simulates case i, counts its work, and fills `errors`
+/// unless null; false where the simulation fails.
 struct Bench {
   std::string name, reference;
   int cases = 0;
@@ -87,7 +87,7 @@ struct Bench {
 };
 
 struct LandingCase : ReferenceCase {
-  Eigen::Matrix<double, kVx, 1> place;  ///< at the end
+  Eigen::Matrix<double, kVx, 1> pose;  ///< at the end
 };
 
 SimulateOptions options_for(Method method, double setting) {
@@ -103,25 +103,25 @@ double time_error(const std::vector<double>& a, const std::vector<double>& b) {
   return worst;
 }
 
-/// Landings of the reference set, as `change` makes them; where it does, their reference is our own tightest run.
+/// Landings of the reference set after `change`; where that returns true, our own tightest run is their reference.
 template <class Change>
 Bench landings(const std::string& name, std::size_t count, Change&& change) {
   auto cases = std::make_shared<std::vector<LandingCase>>();
   const std::vector<ReferenceCase> all = read_reference(dataset("reference"));
   double agreement = 0;
-  bool own = false;
+  bool changed = false;
   for (std::size_t i = 0; i < all.size() && cases->size() < count; i += 2) {
     LandingCase c{all[i], {}};
-    own = change(c);
+    changed = change(c);
     std::vector<double> touchdowns;
     SimulateOptions tight = options_for(Method::kDormandPrince853, kTight);
     tight.touchdowns = &touchdowns;
     const LandingPeak reference = peak_acceleration(c.scene, c.sea, c.motion, tight);
     tight.touchdowns = nullptr, tight.accuracy = kTight / 2;
     const LandingPeak half = peak_acceleration(c.scene, c.sea, c.motion, tight);
-    c.place = place_of(reference);
-    agreement = std::max(agreement, (place_of(half) - c.place).cwiseAbs().maxCoeff());
-    if (own) {
+    c.pose = final_pose(reference);
+    agreement = std::max(agreement, (final_pose(half) - c.pose).cwiseAbs().maxCoeff());
+    if (changed) {
       c.peak = reference.peak, c.touchdowns = touchdowns;
       agreement = std::max(agreement, std::abs(half.peak / reference.peak - 1));
     }
@@ -130,8 +130,8 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
   Bench b{.name = name, .cases = int(cases->size())};
   b.reference =
       fmt::format("{} from our own run at {:g}; halving that moves them by {:.1e} at most",
-                  own ? "peaks, touchdown times and final positions"
-                      : "peaks and touchdown times in extended precision (datasets/reference), final positions",
+                  changed ? "peaks, touchdown times and final positions"
+                          : "peaks and touchdown times in extended precision (datasets/reference), final positions",
                   kTight, agreement);
   b.run = [cases](int i, Method method, double setting, integrate::Counters& work, Errors* errors) {
     const LandingCase& c = (*cases)[std::size_t(i)];
@@ -142,13 +142,13 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     work = p.work;
     if (errors)
       *errors = {std::abs(p.peak / c.peak - 1), time_error(touchdowns, c.touchdowns),
-                 (place_of(p) - c.place).cwiseAbs().maxCoeff()};
+                 (final_pose(p) - c.pose).cwiseAbs().maxCoeff()};
     return p.end != End::kFailed;
   };
   return b;
 }
 
-/// The eight shipped impact trials under Table 2: the largest angle, and the angle at every sample.
+/// The eight shipped impact trials under Table 2; errors of the largest angle and of the angle at every sample.
 Bench rig_trials(Run& run) {
   struct Data {
     identify::Rig rig;
@@ -210,12 +210,12 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
       integrate::Counters work;
       Errors errors;
       if (b.run(i, e.method, e.setting, work, &errors))
-        e.errors.worst(errors);
+        e.errors.include(errors);
       else
         ++e.failed;
       e.rhs += double(work.derivatives) / b.cases, e.events += double(work.events) / b.cases;
     }
-  // Every entry in turn, again and again: a slow moment of the machine meets all of them.
+  // Entries are timed in turn in every repetition, so that a slow phase of the machine affects all of them.
   std::vector<std::vector<double>> seconds(entries.size());
   for (int r = 0; r < repetitions; ++r) {
     for (std::size_t k = 0; k < entries.size(); ++k) {
@@ -231,7 +231,7 @@ std::vector<Entry> measure(const Bench& b, int repetitions, Run& run) {
   return entries;
 }
 
-/// Which method is quickest to a peak that is right to 1e-6, in the first of the scenes.
+/// The fastest method with a peak error up to 1e-6, in the first of the scenes.
 FirstScreen first_screen(const std::vector<Entry>& all) {
   constexpr double kRight = 1e-6;
   const Entry* quickest = nullptr;

@@ -19,75 +19,75 @@ namespace ukemi::tools {
 
 namespace {
 
-constexpr double kNothing = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
-constexpr double kLevel = 0.002;                                      ///< two gaps this near are level
-constexpr double kDrawn = 1e-5;                                       ///< smaller ones are drawn there
+constexpr double kNotFound = std::numeric_limits<double>::infinity();  ///< the gap of a search that found nothing
+constexpr double kLevel = 0.002;                                       ///< a smaller difference of two gaps is a tie
+constexpr double kSmallestDrawn = 1e-5;                                ///< smaller gaps are plotted at this
 
-double gap_of(const Trial& t, std::size_t column, const BestKnown& best) {
-  return std::isnan(t.found[column]) ? kNothing : t.found[column] / best[t.scene][t.goal] - 1;
+double gap_of(const SearchRun& t, std::size_t column, const BestKnown& best) {
+  return std::isnan(t.result[column]) ? kNotFound : t.result[column] / best[t.scene][t.goal] - 1;
 }
 
-/// Gaps of one solver for one goal: by budget or mark, then by scene; those of all seeds.
+/// Gaps of one solver for one goal: [budget or motion count][scene], a value for each seed.
 using Gaps = std::vector<std::array<std::vector<double>, kScenes.size()>>;
 using GapsOfSolvers = std::map<std::string, Gaps>;
 struct AllGaps {
   std::array<GapsOfSolvers, kGoalNames.size()> after_time, after_motions;
 };
-AllGaps gaps_of(const std::vector<Trial>& trials, const std::vector<double>& times, const BestKnown& best) {
+AllGaps gaps_of(const std::vector<SearchRun>& searches, const std::vector<double>& times, const BestKnown& best) {
   AllGaps gaps;
-  for (const Trial& t : trials) {
+  for (const SearchRun& t : searches) {
     Gaps& by_time = gaps.after_time[t.goal][t.solver];
     by_time.resize(times.size());
     const auto k = std::find(times.begin(), times.end(), t.budget) - times.begin();
     by_time[std::size_t(k)][t.scene].push_back(gap_of(t, kValue, best));
-    Gaps& by_motions = gaps.after_motions[t.goal][t.solver];
-    by_motions.resize(kMarks.size());
-    const bool known = std::isnan(t.found[kValue]) || !std::isnan(t.found[kAfter + kMarks.size() - 1]);
+    Gaps& by_count = gaps.after_motions[t.goal][t.solver];
+    by_count.resize(kMotions.size());
+    const bool known = std::isnan(t.result[kValue]) || !std::isnan(t.result[kAfter + kMotions.size() - 1]);
     if (t.budget == times.back() && known)
-      for (std::size_t m = 0; m < kMarks.size(); ++m) by_motions[m][t.scene].push_back(gap_of(t, kAfter + m, best));
+      for (std::size_t m = 0; m < kMotions.size(); ++m) by_count[m][t.scene].push_back(gap_of(t, kAfter + m, best));
   }
   return gaps;
 }
 
 /// The gaps of one solver with one budget on one scene, over the seeds; nothing found: infinite.
-struct Range {
+struct GapRange {
   std::string scene, goal, solver;
   double budget;
   std::size_t seeds;
-  double middle, least, largest;
+  double median, lowest, highest;
 };
-const Quantities<Range> kRangeQuantities = {{"scene", "", &Range::scene},   {"objective", "", &Range::goal},
-                                            {"solver", "", &Range::solver}, {"budget_s", "", &Range::budget},
-                                            {"seeds", "", &Range::seeds},   {"median", "", &Range::middle},
-                                            {"least", "", &Range::least},   {"largest", "", &Range::largest}};
-Range range_of(const std::vector<double>& seeds, Range of = {}) {
-  const auto [low, high] = std::minmax_element(seeds.begin(), seeds.end());
-  of.seeds = seeds.size(), of.middle = median(seeds), of.least = *low, of.largest = *high;
-  return of;
+const Quantities<GapRange> kRangeQuantities = {{"scene", "", &GapRange::scene},   {"objective", "", &GapRange::goal},
+                                               {"solver", "", &GapRange::solver}, {"budget_s", "", &GapRange::budget},
+                                               {"seeds", "", &GapRange::seeds},   {"median", "", &GapRange::median},
+                                               {"least", "", &GapRange::lowest},  {"largest", "", &GapRange::highest}};
+GapRange range_of(const std::vector<double>& gaps, GapRange labels = {}) {
+  const auto [low, high] = std::minmax_element(gaps.begin(), gaps.end());
+  labels.seeds = gaps.size(), labels.median = median(gaps), labels.lowest = *low, labels.highest = *high;
+  return labels;
 }
 
-Quantities<Trial> trial_quantities(const BestKnown& best) {
-  Quantities<Trial> out = {{"scene", "", [](auto& t) { return kScenes[t.scene]; }},
-                           {"objective", "", [](auto& t) { return kGoalNames[t.goal]; }},
-                           {"solver", "", &Trial::solver},
-                           {"seed", "", [](auto& t) { return std::to_string(t.seed); }},
-                           {"budget_s", "", &Trial::budget},
-                           {"gap", "", [&best](auto& t) { return gap_of(t, kValue, best); }}};
-  for (std::size_t k = 0; k < kFound; ++k) out.push_back({kColumns[k], "", [k](auto& t) { return t.found[k]; }});
+Quantities<SearchRun> search_quantities(const BestKnown& best) {
+  Quantities<SearchRun> out = {{"scene", "", [](auto& t) { return kScenes[t.scene]; }},
+                               {"objective", "", [](auto& t) { return kGoalNames[t.goal]; }},
+                               {"solver", "", &SearchRun::solver},
+                               {"seed", "", [](auto& t) { return std::to_string(t.seed); }},
+                               {"budget_s", "", &SearchRun::budget},
+                               {"gap", "", [&best](auto& t) { return gap_of(t, kValue, best); }}};
+  for (std::size_t k = 0; k < kResults; ++k) out.push_back({kColumns[k], "", [k](auto& t) { return t.result[k]; }});
   return out;
 }
 
 /// optimizers.csv: every search; gaps.csv: median and range over the seeds; best_known.csv.
-void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, const AllGaps& gaps,
+void add_files(Run& run, const std::vector<SearchRun>& searches, const SearchPlan& plan, const AllGaps& gaps,
                const BestKnown& best) {
-  run.add("optimizers.csv", Table(trial_quantities(best), trials).csv(run));
-  std::vector<Range> ranges;
+  run.add("optimizers.csv", Table(search_quantities(best), searches).csv(run));
+  std::vector<GapRange> ranges;
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene)
     for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
-      for (const std::string& solver : cases.solvers)
-        for (std::size_t k = 0; k < cases.times.size(); ++k)
+      for (const std::string& solver : plan.solvers)
+        for (std::size_t k = 0; k < plan.times.size(); ++k)
           ranges.push_back(range_of(gaps.after_time[goal].at(solver)[k][scene],
-                                    {kScenes[scene], kGoalNames[goal], solver, cases.times[k]}));
+                                    {kScenes[scene], kGoalNames[goal], solver, plan.times[k]}));
   run.add("gaps.csv", Table(kRangeQuantities, ranges)
                           .csv(run, "The gap to the best known over the seeds of each search; nothing found: empty."));
   CsvWriter known = run.csv();
@@ -97,20 +97,20 @@ void add_files(Run& run, const std::vector<Trial>& trials, const Cases& cases, c
 }
 
 std::string percent(double gap, int digits) {
-  return gap < kNothing ? fmt::format("{:.{}f} %", 100 * gap, digits) : "nothing";
+  return gap < kNotFound ? fmt::format("{:.{}f} %", 100 * gap, digits) : "nothing";
 }
 
-/// The best of the others on a scene, by the median over seeds.
+/// The solver other than auto with the lowest median gap over the seeds on a scene, and that gap.
 std::pair<std::string, double> best_other(const GapsOfSolvers& gaps, std::size_t k, std::size_t scene) {
-  std::pair<std::string, double> best{"none", kNothing};
-  for (const auto& [solver, of] : gaps)
-    if (const double m = median(of[k][scene]); solver != "auto" && m < best.second) best = {solver, m};
+  std::pair<std::string, double> best{"none", kNotFound};
+  for (const auto& [solver, by_scene] : gaps)
+    if (const double m = median(by_scene[k][scene]); solver != "auto" && m < best.second) best = {solver, m};
   return best;
 }
 
-/// auto beside the best other, scene by scene, for the report. Returns on how many scenes it is ahead or level, by
-/// budget.
-std::vector<int> beside_others(Report& report, const GapsOfSolvers& gaps, const std::vector<double>& times) {
+/// Reports auto next to the best other solver, scene by scene. Returns for each budget on how many scenes auto leads or
+/// ties.
+std::vector<int> compare_with_others(Report& report, const GapsOfSolvers& gaps, const std::vector<double>& times) {
   std::vector<std::string> header = {"scene"};
   for (const double t : times) header.push_back(fmt::format("{:g} s", t));
   std::vector<int> leads(times.size(), 0);
@@ -118,11 +118,11 @@ std::vector<int> beside_others(Report& report, const GapsOfSolvers& gaps, const 
   for (std::size_t scene = 0; scene < kScenes.size(); ++scene) {
     rows.push_back({kScenes[scene]});
     for (std::size_t k = 0; k < times.size(); ++k) {
-      const Range ours = range_of(gaps.at("auto")[k][scene]);
+      const GapRange ours = range_of(gaps.at("auto")[k][scene]);
       const auto [other, gap] = best_other(gaps, k, scene);
-      leads[k] += ours.middle <= gap + kLevel;
-      rows.back().push_back(fmt::format("{} [{}, {}]; {} {}", percent(ours.middle, 2), percent(ours.least, 2),
-                                        percent(ours.largest, 2), other, percent(gap, 2)));
+      leads[k] += ours.median <= gap + kLevel;
+      rows.back().push_back(fmt::format("{} [{}, {}]; {} {}", percent(ours.median, 2), percent(ours.lowest, 2),
+                                        percent(ours.highest, 2), other, percent(gap, 2)));
     }
   }
   report.paragraph("auto's median [range] over the seeds, and the best of the others by its median:");
@@ -130,30 +130,29 @@ std::vector<int> beside_others(Report& report, const GapsOfSolvers& gaps, const 
   return leads;
 }
 
-/// A table and a plot of the medians, over seeds and then over scenes, against `x`: into the report, the table to the
-/// terminal and the plot to NAME.svg too. Returns the medians, by solver; null where a scene has none, or nothing was
-/// found.
+/// Reports a table and a plot of the medians, over seeds and then over scenes, against `x`; prints the table and writes
+/// the plot to NAME.svg. Returns the medians by solver; null where a scene has none, or nothing was found.
 Json show(Report& report, Run& run, const std::string& name, const std::vector<std::string>& solvers,
           const GapsOfSolvers& gaps, std::span<const double> x, const std::string& unit, const std::string& x_label) {
   std::vector<std::string> header = {"solver"};
-  for (const double at : x) header.push_back(fmt::format("{:g} {}", at, unit));
+  for (const double value : x) header.push_back(fmt::format("{:g} {}", value, unit));
   std::vector<std::vector<std::string>> rows;
   std::vector<Series> curves;
   Json json;
   for (const std::string& solver : solvers) {
     rows.push_back({solver}), curves.push_back({solver, {}, {}});
     for (std::size_t k = 0; k < x.size(); ++k) {
-      std::vector<double> of_scenes;
+      std::vector<double> medians;
       for (const std::vector<double>& seeds : gaps.at(solver)[k])
-        if (!seeds.empty()) of_scenes.push_back(median(seeds));
-      const bool complete = of_scenes.size() == kScenes.size();
-      const double middle = complete ? median(of_scenes) : kNothing;
-      json[solver].push_back(number(middle));
-      rows.back().push_back(complete ? fmt::format("{} ({})", percent(middle, 2),
-                                                   percent(*std::max_element(of_scenes.begin(), of_scenes.end()), 0))
+        if (!seeds.empty()) medians.push_back(median(seeds));
+      const bool complete = medians.size() == kScenes.size();
+      const double overall = complete ? median(medians) : kNotFound;
+      json[solver].push_back(number(overall));
+      rows.back().push_back(complete ? fmt::format("{} ({})", percent(overall, 2),
+                                                   percent(*std::max_element(medians.begin(), medians.end()), 0))
                                      : "");
-      if (std::isfinite(middle))
-        curves.back().x.push_back(x[k]), curves.back().y.push_back(100 * std::max(kDrawn, middle));
+      if (std::isfinite(overall))
+        curves.back().x.push_back(x[k]), curves.back().y.push_back(100 * std::max(kSmallestDrawn, overall));
     }
   }
   report.table(header, rows);
@@ -163,39 +162,39 @@ Json show(Report& report, Run& run, const std::string& name, const std::vector<s
   return json;
 }
 
-/// What is searched: what is asked for, else every solver that suits, for these times.
-Cases cases_of(const BenchArguments& arguments, std::uint64_t seed) {
-  Cases cases{arguments.solvers, arguments.times, seed, arguments.seeds};
-  if (cases.solvers.empty()) {
-    cases.solvers = landing::solver_names();
-    std::erase(cases.solvers, "cma");  // it is for more variables than these scenes have
+/// The solvers and times of the options, else the default ones.
+SearchPlan plan_of(const BenchArguments& arguments, std::uint64_t seed) {
+  SearchPlan plan{arguments.solvers, arguments.times, seed, arguments.seeds};
+  if (plan.solvers.empty()) {
+    plan.solvers = landing::solver_names();
+    std::erase(plan.solvers, "cma");  // it is for more variables than these scenes have
   }
-  for (const std::string& s : cases.solvers) landing::check_solver(s);
-  std::vector<double>& times = cases.times;
+  for (const std::string& s : plan.solvers) landing::check_solver(s);
+  std::vector<double>& times = plan.times;
   if (times.empty()) times = {0.03, 0.1, 0.3, 1};
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
-  return cases;
+  return plan;
 }
 
-/// The gaps of one goal, after a time and after so many motions.
-Json show_goal(std::size_t goal, const Cases& cases, const AllGaps& gaps, Report& report, Run& run) {
+/// Reports the gaps of one goal, after a time and after a number of motions.
+Json show_goal(std::size_t goal, const SearchPlan& plan, const AllGaps& gaps, Report& report, Run& run) {
   report.heading(kGoalNames[goal]), run.say(fmt::format("{}:", kGoalNames[goal]));
-  Json of_goal;
-  of_goal["gaps"] = show(report, run, fmt::format("{}_time", kGoalNames[goal]), cases.solvers, gaps.after_time[goal],
-                         cases.times, "s", "time of one core [s]");
+  Json json;
+  json["gaps"] = show(report, run, fmt::format("{}_time", kGoalNames[goal]), plan.solvers, gaps.after_time[goal],
+                      plan.times, "s", "time of one core [s]");
   if (gaps.after_time[goal].count("auto")) {
-    of_goal["auto_leads"] = beside_others(report, gaps.after_time[goal], cases.times);
+    json["auto_leads"] = compare_with_others(report, gaps.after_time[goal], plan.times);
     const std::string leads = fmt::format("of ten scenes auto leads, or is level, on {}",
-                                          fmt::join(of_goal["auto_leads"].get<std::vector<int>>(), ", "));
+                                          fmt::join(json["auto_leads"].get<std::vector<int>>(), ", "));
     report.paragraph(leads), run.say("  " + leads);
   }
   report.paragraph(
       "The same against motions evaluated, from the searches of the longest budget, at the accuracy of the search. "
       "NLopt's solvers evaluate one motion at a time.");
-  of_goal["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoalNames[goal]), cases.solvers,
-                               gaps.after_motions[goal], kMarks, "motions", "motions evaluated");
-  return of_goal;
+  json["gaps_after"] = show(report, run, fmt::format("{}_motions", kGoalNames[goal]), plan.solvers,
+                            gaps.after_motions[goal], kMotions, "motions", "motions evaluated");
+  return json;
 }
 
 }  // namespace
@@ -205,19 +204,19 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
                   {"optimizers.csv", "gaps.csv", "best_known.csv"},
                   {"peak_time", "peak_motions", "tolerant_time", "tolerant_motions"}},
           common);
-  const Cases cases = cases_of(arguments, common.seed);
-  const std::vector<double>& times = cases.times;
+  const SearchPlan plan = plan_of(arguments, common.seed);
+  const std::vector<double>& times = plan.times;
   BestKnown best = best_known(dataset("best_known.csv"));
-  std::vector<Trial> earlier;
+  std::vector<SearchRun> earlier;
   for (const std::string& path : arguments.with) {
     run.input(path);
-    for (const Trial& t : read_trials(path)) earlier.push_back(t);
+    for (const SearchRun& t : read_searches(path)) earlier.push_back(t);
   }
-  const std::vector<Trial> trials = searched(cases, std::move(earlier), run);
-  for (const Trial& t : trials)
-    if (t.found[kValue] < best[t.scene][t.goal]) best[t.scene][t.goal] = t.found[kValue];
-  const AllGaps gaps = gaps_of(trials, times, best);
-  add_files(run, trials, cases, gaps, best);
+  const std::vector<SearchRun> searches = run_searches(plan, std::move(earlier), run);
+  for (const SearchRun& t : searches)
+    if (t.result[kValue] < best[t.scene][t.goal]) best[t.scene][t.goal] = t.result[kValue];
+  const AllGaps gaps = gaps_of(searches, times, best);
+  add_files(run, searches, plan, gaps, best);
 
   Report report("Solvers");
   report.paragraph(fmt::format(
@@ -226,11 +225,11 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
       arguments.seeds));
   Json summary;
   for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
-    summary[kGoalNames[goal]] = show_goal(goal, cases, gaps, report, run);
+    summary[kGoalNames[goal]] = show_goal(goal, plan, gaps, report, run);
   summary["times"] = times, summary["seeds"] = arguments.seeds;
   const Json leads = summary[kGoalNames[0]].value("auto_leads", Json());
   report.answer(
-      {leads.empty() ? fmt::format("{} solvers on ten scenes.", cases.solvers.size())
+      {leads.empty() ? fmt::format("{} solvers on ten scenes.", plan.solvers.size())
                      : fmt::format("For the peak auto leads, or is level, on {} of ten scenes after {:g} s of a core.",
                                    leads.back().get<int>(), times.back()),
        {},

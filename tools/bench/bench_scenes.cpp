@@ -1,4 +1,4 @@
-// ukemi bench scenes: each term and each piece of work that a scene can do without, with it and without it.
+// ukemi bench scenes: cost of each term or computation that a scene can omit, with it and without it.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -25,7 +25,7 @@ using namespace landing;
 
 namespace {
 
-/// The same landings with a piece of work and without it; how equal the peaks must be, and why.
+/// The same landings with a computation and without it; how far the peaks may differ, and why.
 struct Omission {
   std::string name, what;
   double tolerance;  ///< relative, of the peaks; 0: bit for bit
@@ -40,9 +40,9 @@ Motion motion(int i) { return {(-30 - i) * kDegree, (-80 + 2 * i) * kDegree, 0.1
 std::vector<Omission> omissions() {
   const Scene paper = read_scene(dataset("scenes/paper.toml"));
   const SeaParameters<double> table2 = read_actuator(dataset("actuators/table2.toml")).sea;
-  SeaParameters<double> unlimited = table2, far_limit = table2, still = table2;
+  SeaParameters<double> unlimited = table2, far_limit = table2, tiny_friction = table2;
   unlimited.tau_max = std::numeric_limits<double>::infinity(), far_limit.tau_max = 1e9;
-  still.friction = 1e-300;
+  tiny_friction.friction = 1e-300;
   Scene two_points = paper, air = paper, floor_below = paper, turning = paper;
   two_points.contacts[kHip] = false;
   floor_below.drop.pitch_rate = air.drop.pitch_rate = 0.5, floor_below.drop.height = air.drop.height = 5;
@@ -68,7 +68,7 @@ std::vector<Omission> omissions() {
       {"torque limit", "clamp and two guards of Eq. 2 that never act (tau_max = 1e9 Nm)", 0, "the same arithmetic",
        peak(paper, far_limit), peak(paper, unlimited)},
       {"further terms", "stiffening, dry friction, motor-side feedback (friction = 1e-300 Nm)", 1e-9,
-       "terms of zero are added", peak(paper, still), peak(paper, table2)},
+       "terms of zero are added", peak(paper, tiny_friction), peak(paper, table2)},
       {"contact point", "the hip, in landings that it never meets", 0, "its guard only watches", hip_free(paper),
        hip_free(two_points)},
       {"floor", "a floor that is not reached before t_end, a turning robot", 0, "the same arithmetic",
@@ -85,14 +85,14 @@ std::vector<Omission> omissions() {
   };
 }
 
-/// What valgrind collects between these: the landings of one side.
+/// The landings of one side; callgrind counts the instructions of this function only.
 [[gnu::noinline]] double ukemi_bench_side(const std::function<double(int)>& side) {
   double sum = 0;
   for (int i = 0; i < kLandings; ++i) sum += side(i);
   return sum;
 }
 
-/// Instructions a landing, by a run of this program under callgrind; none where valgrind is not installed.
+/// Instructions per landing, by a run of this program under callgrind; absent where valgrind is not installed.
 std::optional<double> instructions(const std::string& only) {
   char self[4096];
   const ssize_t n = readlink("/proc/self/exe", self, sizeof self - 1);
@@ -113,16 +113,16 @@ std::optional<double> instructions(const std::string& only) {
   return out;
 }
 
-/// What an omission saves.
+/// The saving of an omission.
 struct Saving {
   const Omission* omission;
-  double difference = 0;  ///< largest relative, of the peaks
+  double difference = 0;  ///< largest relative difference of the peaks
   std::optional<double> instructions_with, instructions_without;
   double us_with = 0, us_without = 0;  ///< median [us]
 
   bool equal() const { return difference <= omission->tolerance; }
 };
-std::string saved(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share); }
+std::string percent_saved(double share) { return std::isnan(share) ? "-" : fmt::format("{:.1f} %", 100 * share); }
 const Quantities<Saving> kSavingQuantities = {
     {"omission", "", "omission", {}, [](auto& s) { return s.omission->name; }},
     {"", "", "what is left out", {}, [](auto& s) { return s.omission->what; }},
@@ -130,13 +130,13 @@ const Quantities<Saving> kSavingQuantities = {
      [](auto& s) { return number(s.instructions_with); }},
     {"instructions_without", "instructions_without", "without", "{:.0f}",
      [](auto& s) { return number(s.instructions_without); }},
-    {"", "", "saved", saved,
+    {"", "", "saved", percent_saved,
      [](auto& s) { return 1 - s.instructions_without.value_or(NAN) / s.instructions_with.value_or(NAN); }},
     {"time_us_with", "", "time with [us]", "{:.1f}", &Saving::us_with},
     {"time_us_without", "", "without [us]", "{:.1f}", &Saving::us_without},
     {"", "with/time_s", [](auto& s) { return s.us_with * 1e-6; }},
     {"", "without/time_s", [](auto& s) { return s.us_without * 1e-6; }},
-    {"", "", "saved", saved, [](auto& s) { return 1 - s.us_without / s.us_with; }},
+    {"", "", "saved", percent_saved, [](auto& s) { return 1 - s.us_without / s.us_with; }},
     {"difference", "difference", "difference of the peaks", "{:.1e}", &Saving::difference},
     {"allowed", "allowed", "allowed", "{:g}", [](auto& s) { return s.omission->tolerance; }},
     {"", "", "why", {}, [](auto& s) { return s.omission->why; }},
@@ -174,12 +174,12 @@ int bench_scenes(const BenchArguments& a, const CommonOptions& common) {
   for (const Omission& o : list) savings.push_back(measure(o, a.repetitions));
   Report report("What a scene does not need");
   const auto unequal = std::count_if(savings.begin(), savings.end(), [](const Saving& s) { return !s.equal(); });
-  const Saving& most = *std::min_element(savings.begin(), savings.end(), [](const Saving& x, const Saving& y) {
+  const Saving& best = *std::min_element(savings.begin(), savings.end(), [](const Saving& x, const Saving& y) {
     return x.us_without / x.us_with < y.us_without / y.us_with;
   });
   if (unequal > 0) run.warn(fmt::format("{} omissions change a peak by more than they may", unequal));
   report.answer({fmt::format("{} terms that a scene may lack; leaving out \"{}\" saves most: {} of a landing's time.",
-                             savings.size(), most.omission->what, saved(1 - most.us_without / most.us_with)),
+                             savings.size(), best.omission->what, percent_saved(1 - best.us_without / best.us_with)),
                  {check(unequal == 0, "the same peaks",
                         fmt::format("{} of {} omissions change none", long(savings.size()) - unequal, savings.size()))},
                  "Leave out of your scene what your robot does not have."},

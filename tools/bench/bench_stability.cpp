@@ -21,7 +21,7 @@ using landing::StabilityCase;
 using landing::StabilityResult;
 using landing::Verdict;
 
-/// How many of a group of landings came to which verdict.
+/// How many landings of a group received each verdict.
 struct Tally {
   std::string group;
   std::array<int, 5> counts{};  ///< by Verdict
@@ -37,9 +37,9 @@ Quantities<Tally> tally_quantities(const char* group) {
   return out;
 }
 
-/// A landing of the grid, with what it took.
+/// A landing of the grid, its result and run time.
 struct GridResult : StabilityCase, StabilityResult {
-  double seconds = 0;
+  double seconds = 0;  ///< processor time
 };
 const Quantities<GridResult> kGridQuantities = {
     {"factor", "", "factor", {}, &GridResult::factor},
@@ -67,7 +67,7 @@ std::vector<GridResult> grid_results(const BenchArguments& a, const Run& run) {
   parallel_for(int(grid.size()), run.options().threads, [&](int i) {
     const StabilityCase& c = grid[std::size_t(i)];
     GridResult& r = out[std::size_t(i)];
-    static_cast<StabilityCase&>(r) = c, static_cast<StabilityResult&>(r) = judge(c);
+    static_cast<StabilityCase&>(r) = c, static_cast<StabilityResult&>(r) = check_stability(c);
     const Stopwatch watch(Stopwatch::Time::kProcessor);
     (void)peak_acceleration(c.scene, c.sea, c.motion, {.max_steps = StabilityLimits{}.max_steps});
     r.seconds = watch.seconds();
@@ -108,7 +108,7 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
       "steps, {:.2f} s a landing.",
       worst_energy, worst_halving, most_steps, longest);
   run.say(worst), report.paragraph(worst);
-  report.heading("All that do not simply pass");
+  report.heading("Landings that do not pass");
   report.table(Table(kGridQuantities, notable));
   Json out = Table::of(tally_quantities(""), all).object();
   out["worst_energy_residual"] = worst_energy, out["most_steps"] = most_steps;

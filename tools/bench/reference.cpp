@@ -17,7 +17,7 @@ const std::string& text(const CsvTable& table, const char* name, std::size_t row
   return table.texts[std::size_t(table.require(name))][row];
 }
 
-/// Numbers between semicolons.
+/// The numbers of a cell, separated by semicolons.
 std::vector<double> numbers(const CsvTable& table, const char* name, std::size_t row) {
   std::vector<double> out;
   std::istringstream list(text(table, name, row));
@@ -84,7 +84,7 @@ std::vector<ReferenceCase> read_rich_reference(const std::string& folder) {
     c.scene.drop = {value("h"), value("V_H"), value("pitch_deg") * kDegree};
     c.sea = {value("K_p"), value("K_d"), value("K_SEA"), value("C_SEA"), value("I_motor"), value("tau_max")};
     c.motion = {value("phi_i_deg") * kDegree, value("phi_f_deg") * kDegree, value("duration")};
-    for (std::size_t k = 0; k < kMostBumps; ++k) c.motion.bumps[k] = value("b" + std::to_string(k) + "_deg") * kDegree;
+    for (std::size_t k = 0; k < kMaxBumps; ++k) c.motion.bumps[k] = value("b" + std::to_string(k) + "_deg") * kDegree;
     if (const double phi = value("release_phi_deg"); !std::isnan(phi))
       c.motion.reposition = Reposition{phi * kDegree, 0, value("from"), value("to")};
     c.peak = value("peak");

@@ -1,5 +1,4 @@
-// Landings computed independently in extended precision (datasets/reference, see its README): what results are held
-// against.
+// Reference landings, computed independently in extended precision (datasets/reference, see its README).
 #pragma once
 
 #include <string>
@@ -17,14 +16,14 @@ struct ReferenceCase {
   Motion motion;
   double peak;                     ///< max |ddr_0| from release to scene.t_end [m/s^2]
   double t_peak;                   ///< [s]
-  std::string order;               ///< of the touchdowns, a letter each: H, K, F
+  std::string order;               ///< of the touchdowns, one letter for each: H, K, F
   std::vector<double> touchdowns;  ///< their times, from release [s]
 };
 
 /// Reads landing_cases.csv and landing_peaks.csv of a folder. Even ids: the paper's scene; odd ones: random robots.
 /// Throws InputError.
 std::vector<ReferenceCase> read_reference(const std::string& folder);
-/// Reads rich_cases.csv: shape terms, moves in the air; peaks alone. Throws InputError.
+/// Reads rich_cases.csv: motions with shape terms and moves in the air; of results only peaks. Throws InputError.
 std::vector<ReferenceCase> read_rich_reference(const std::string& folder);
 
 }  // namespace ukemi::landing

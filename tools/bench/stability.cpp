@@ -19,7 +19,7 @@ const char* name(Verdict verdict) {
 
 namespace {
 
-/// A constant of the scene and the values it is set to.
+/// A constant and the values that it is set to.
 struct Factor {
   const char* name;
   std::vector<double> values;
@@ -61,8 +61,8 @@ std::vector<Factor> factors() {
   };
 }
 
-/// Situations that no single constant brings about.
-std::vector<StabilityCase> specials(const StabilityCase& base) {
+/// Situations that cannot be reached by varying a single constant.
+std::vector<StabilityCase> special_cases(const StabilityCase& base) {
   std::vector<StabilityCase> out;
   const auto add = [&](const char* what, auto&& change) {
     StabilityCase c = base;
@@ -119,7 +119,7 @@ std::vector<StabilityCase> stability_grid(const Scene& base, const SeaParameters
       c.factor = f.name, c.setting = fmt::format("{:g}", v);
       all.push_back(c);
     }
-  for (const StabilityCase& c : specials(start)) all.push_back(c);
+  for (const StabilityCase& c : special_cases(start)) all.push_back(c);
   for (int i = 0; i < random; ++i) {
     Random r(seed, std::uint64_t(i));
     StabilityCase c = start;
@@ -137,7 +137,7 @@ std::vector<StabilityCase> stability_grid(const Scene& base, const SeaParameters
   return out;
 }
 
-StabilityResult judge(const StabilityCase& c, const StabilityLimits& limits) {
+StabilityResult check_stability(const StabilityCase& c, const StabilityLimits& limits) {
   SimulateOptions options;
   options.max_steps = limits.max_steps;
   const Landing l = simulate(c.scene, c.sea, c.motion, options);

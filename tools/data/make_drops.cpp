@@ -2,8 +2,8 @@
 //
 //     make_drops FOLDER      (the project's datasets/ folder; run once, the files are shipped)
 //
-// Each drop is `simulate` at a tolerance of 1e-12 with noise put on: another path through the events than the
-// rollout that calibrate fits. The drops of the hopper, a robot of links, fall on a floor that is not its scene's.
+// Each drop is `simulate` at a tolerance of 1e-12 with added noise: code other than the rollout that calibrate fits.
+// The floor of the drops of the hopper, a robot of links, differs from that of its scene.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ using namespace ukemi::landing;
 constexpr double kRate = 1000, kDuration = 1;
 constexpr double kNoiseAcc = 2, kNoisePlace = 5e-4, kNoiseAngle = 0.2;  // m/s^2, m, deg
 constexpr std::uint64_t kSeed = 20261122;
-constexpr Floor<double> kFloor{6000, 110, 40};  // the truth
+constexpr Floor<double> kFloor{6000, 110, 40};  // the true constants
 constexpr double kPitch = -8 / kDegrees;
 
 double rounded(double x, double digit) { return std::round(x / digit) * digit; }
@@ -51,7 +51,7 @@ void write(const std::string& path, Scene scene, const SeaParameters<double>& se
   csv.header({"t", "acc", "x_0", "y_0", "phi_0_deg"});
   long row = 0;
   for (const Sample& s : landing.trajectory) {
-    if (std::abs(s.t * kRate - double(row)) > 1e-6) continue;  // the two rows of an event
+    if (std::abs(s.t * kRate - double(row)) > 1e-6) continue;  // one of the two rows of an event
     csv.cell(fmt::format("{:.3f}", double(row++) / kRate));
     csv.cell(fmt::format("{:.2f}", s.acc + kNoiseAcc * random.normal()));
     csv.cell(fmt::format("{:.5f}", s.x0 + kNoisePlace * random.normal()));
@@ -66,14 +66,14 @@ void write(const std::string& path, Scene scene, const SeaParameters<double>& se
 // --- the hopper ---
 
 constexpr double kHopperDuration = 0.6, kNoiseHopper = 1;  // s, m/s^2
-/// The truth of its floor.
+/// The true constants of its floor.
 constexpr ContactLaw kHopperLaw{.stiffness = 16000,
                                 .damping_normal = 150,
                                 .damping_tangential = 45,
                                 .stiffness_tangential = 14000,
                                 .friction = 0.45};
 
-/// Held at these angles of hip and knee.
+/// Writes a drop with hip and knee held at these angles.
 void write_hopper(const std::string& path, BodyScene scene, double height, double hip_deg, double knee_deg,
                   std::uint64_t index) {
   scene.drop.height = height, scene.t_end = kHopperDuration;
@@ -96,7 +96,7 @@ void write_hopper(const std::string& path, BodyScene scene, double height, doubl
   csv.header({"t", "acc", "y_slider", "phi_hip_deg", "phi_knee_deg"});
   long row = 0;
   for (const BodySample& s : landing.trajectory) {
-    if (std::abs(s.t * kRate - double(row)) > 1e-6) continue;  // the two rows of an event
+    if (std::abs(s.t * kRate - double(row)) > 1e-6) continue;  // one of the two rows of an event
     csv.cell(fmt::format("{:.3f}", double(row++) / kRate));
     csv.cell(fmt::format("{:.2f}", s.acc + kNoiseHopper * random.normal()));
     csv.cell(fmt::format("{:.5f}", s.y[0] + kNoisePlace * random.normal()));

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
     std::vector<identify::Trial> trials;
     for (int i = 3; i < argc; ++i) trials.push_back(identify::read_trial(argv[i]));
     const SeaParameters<double> base = rig.mounted({});                        // what is not fitted
-    const identify::Fit fit = identify::fit(rig, trials, std::nullopt, base);  // starts are worked out from the logs
+    const identify::Fit fit = identify::fit(rig, trials, std::nullopt, base);  // starts are estimated from the logs
     for (const identify::Estimate& e : fit.parameters)
       std::printf("%-8s %10.5g +- %-9.2g %-12s %s\n", e.name.c_str(), e.value, e.std.value_or(0), e.unit.c_str(),
                   name(e.verdict));

@@ -1,10 +1,10 @@
-// A robot's control program that owns a planner, from the moment at which it feels weightless.
+// A robot's control program with a planner, from the moment at which it feels weightless.
 //
 //     planner SCENE.toml ACTUATOR.toml HEIGHT PITCH_DEG FORWARD_SPEED PHI_DEG
 //
-// Every 20 ms it measures the fall and plans anew; what it sends to the drive is the move in the air, by the clock from
-// now, and the landing motion, which starts when the touchdown is felt. Robot is a stand-in for the real one: it falls
-// as the simulation says, has no noise, and its spring is relaxed at each new reference, as a plan assumes.
+// Every 20 ms it measures the fall and plans anew; it sends the drive the move in the air, timed from now, and the
+// landing motion, which starts when the touchdown is felt. Robot stands for the real one: it falls as simulated,
+// without noise, and its spring is relaxed at each new reference, as a plan assumes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,9 +21,9 @@ namespace {
 
 using namespace ukemi;
 using namespace ukemi::landing;
-constexpr double kDegrees = 57.29577951308232;  // a radian [deg]
-constexpr double kPeriod = 0.02;                // between two plans, and what each may take [s]
-constexpr double kRefuge = -0.87;  // held where nothing was found: a posture that lands softly by itself [rad]
+constexpr double kDegrees = 57.29577951308232;  // degrees per radian
+constexpr double kPeriod = 0.02;                // between two plans, and time limit of each [s]
+constexpr double kFallback = -0.87;  // angle held where nothing was found: it lands softly without moving [rad]
 
 class Robot {
  public:
@@ -31,19 +31,19 @@ class Robot {
     scene_.release.reset();
     send({phi, phi, 1}, 0);
   }
-  /// The reference from now on.
+  /// Sets the reference from `now` on.
   void send(const Motion& motion, double now) {
-    if (!course_.trajectory.empty()) {
+    if (!landing_.trajectory.empty()) {
       const FallState s = measured(now);
       scene_.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, *s.vertical_speed};
     }
-    motion_ = motion, since_ = now;
-    course_ = simulate(scene_, sea_, motion, {}, 1000);
+    motion_ = motion, sent_at_ = now;
+    landing_ = simulate(scene_, sea_, motion, {}, 1000);
   }
-  double touchdown() const { return since_ + course_.contacts.first(); }
+  double touchdown() const { return sent_at_ + landing_.contacts.first(); }
   FallState measured(double now) const {
-    const auto after = [&](const Sample& s) { return since_ + s.t >= now - 1e-9; };
-    const Sample& s = *std::find_if(course_.trajectory.begin(), course_.trajectory.end() - 1, after);
+    const auto after = [&](const Sample& s) { return sent_at_ + s.t >= now - 1e-9; };
+    const Sample& s = *std::find_if(landing_.trajectory.begin(), landing_.trajectory.end() - 1, after);
     const double half = 0.5 * scene_.robot.link_length, hip = s.y0 + half * std::cos(s.phi0),
                  knee = s.y0 - half * std::cos(s.phi0), foot = knee - 2 * half * std::cos(s.phi0 + s.phi1);
     double lowest = std::numeric_limits<double>::infinity();
@@ -51,14 +51,14 @@ class Robot {
       if (scene_.contacts[point]) lowest = std::min(lowest, y);
     return {std::max(0.0, lowest), s.dx0, s.phi0, s.dphi0, s.phi1, s.dphi1, now, s.dy0};
   }
-  double peak() const { return course_.peak; }
+  double peak() const { return landing_.peak; }
 
  private:
   Scene scene_;
   SeaParameters<double> sea_;
   Motion motion_{};
-  double since_ = 0;
-  Landing course_;
+  double sent_at_ = 0;
+  Landing landing_;
 };
 
 int control(Scene scene, const SeaParameters<double>& sea, double phi) {
@@ -69,8 +69,8 @@ int control(Scene scene, const SeaParameters<double>& sea, double phi) {
   std::optional<Plan> sent;
   for (double now = 0; now + 2 * kPeriod < robot.touchdown(); now += kPeriod) {
     const Plan plan = planner.plan(robot.measured(now), kPeriod);  // no allocation, no thread
-    // Nothing found, no time left, or a sensor that fails: the plan under way goes on. One that is no better is not
-    // worth a new reference.
+    // Where nothing is found, no time is left or a sensor fails, the present plan continues; so it does where the new
+    // one is no better.
     if (!plan.found() || (sent && plan.value >= sent->value)) continue;
     sent = plan;
     robot.send(plan.motion, now);
@@ -79,12 +79,12 @@ int control(Scene scene, const SeaParameters<double>& sea, double phi) {
         1e3 * now, plan.motion.phi_i * kDegrees, 1e3 * (now + plan.motion.reposition->to), plan.motion.phi_f * kDegrees,
         1e3 * plan.motion.duration, plan.value, plan.motions);
   }
-  if (!sent) {  // hold a posture that lands softly by itself
-    robot.send({kRefuge, kRefuge, 1}, 0);
-    std::printf("no plan: %.0f deg is held\n", kRefuge * kDegrees);
+  if (!sent) {
+    robot.send({kFallback, kFallback, 1}, 0);
+    std::printf("no plan: %.0f deg is held\n", kFallback * kDegrees);
   }
   // A real drive starts the landing motion when it feels the touchdown. Where it never does, the last posture of the
-  // move in the air is held: the motion must not run by the clock, which knows nothing of the floor.
+  // move in the air is held: the motion must not be started by time alone.
   if (std::isinf(robot.touchdown())) {
     std::printf("no touchdown was felt: the posture is held\n");
     return 1;

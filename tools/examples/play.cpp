@@ -2,7 +2,7 @@
 //
 //     play ROBOT_SCENE.toml [MOTION.toml]
 //
-// Without a motion it plans one as it lets go, of a robot with two joints.
+// Without a motion file it plans one at the release; the robot must then have two joints.
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
@@ -16,19 +16,19 @@ namespace {
 
 using namespace ukemi::landing;
 
-/// Stands for the real robot: it falls as the simulation says, and weighs on its feet from the first touchdown on. Its
-/// drives have a safety limit of their own.
+/// Stands for the real robot: it falls as simulated and feels the floor from the first touchdown on. Its drives limit
+/// the step of a command.
 struct StandIn {
   BodyLanding fall;
-  double clock = 100;  // [s], of the robot: any origin
+  double clock = 100;  // the robot's own time [s], any origin
   double released_at = 100.05;
   bool weightless() const { return clock >= released_at; }
   bool feels_floor() const { return clock >= released_at + fall.first_touchdown; }
-  std::optional<double> sent[kMostJoints];
+  std::optional<double> sent[kMaxJoints];
   void send(int k, const DriveCommand& c) {
-    constexpr double kStray = 0.35;  // of a command within one period [rad]
+    constexpr double kMaxStep = 0.35;  // change of a command within one period [rad]
     const double last = sent[k].value_or(c.phi);
-    if (!(c.phi > last - kStray && c.phi < last + kStray))
+    if (!(c.phi > last - kMaxStep && c.phi < last + kMaxStep))
       throw std::runtime_error("joint " + std::to_string(k) + " would jump to " + std::to_string(c.phi) + " rad");
     sent[k] = c.phi;
   }
@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     const BodyScene scene = read_body_scene(argv[1]);
     BodyMotion motion = argc == 3 ? read_body_motion(argv[2], scene.robot) : held_posture(scene);
     if (argc == 2) {
-      // Once; then for each measured fall: here as the robot lets go.
+      // Construct once; plan for each measured fall, here at the release.
       BodyPlanner planner(scene);
       const BodyFallState now{.height = 0.3, .joints = {{0.6, 0}, {-1.2, 0}}, .pitch = 0, .elapsed = 0};
       const BodyAnswer answer = planner.plan(now, 0.1);  // from then on the references may move
@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
     constexpr double kPeriod = 1e-3;  // of the loop [s]
     bool falling = false;
 
-    Player player(motion);  // allocates here, and never again
+    Player player(motion);  // allocates here only
     for (; !(robot.clock > player.end() + 0.1); robot.clock += kPeriod) {
       if (!falling && robot.weightless()) falling = player.released(robot.clock);
       if (falling && !player.landing() && robot.feels_floor()) player.touchdown(robot.clock);

@@ -8,8 +8,8 @@
 namespace ukemi::tools {
 
 void warn_of_doubts(const std::string& path, const Verdicts& verdicts, Run& run) {
-  if (const std::string words = doubts(verdicts); !words.empty())
-    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, words));
+  if (const std::string untrusted = doubts(verdicts); !untrusted.empty())
+    run.warn(fmt::format("{}: not trusted by the fit that wrote it: {}; what follows rests on it", path, untrusted));
 }
 
 Actuator actuator_of(const std::string& path, Run& run) {
@@ -20,7 +20,7 @@ Actuator actuator_of(const std::string& path, Run& run) {
 }
 
 void require_gains(const Actuator& actuator, const Location& where) {
-  if (by_command(actuator.sea))
+  if (known_command(actuator.sea))
     throw InputError(where,
                      "no k_p and k_d: this drive was identified by its command (k_t); a landing needs the gains "
                      "of its controller, Eq. 3");

@@ -31,27 +31,28 @@ double to_number(const std::string& option, const std::string& text) {
 
 namespace {
 
-/// One for all ways of naming a file.
-std::filesystem::path place_of(const std::string& file) {
-  std::error_code none;
-  return std::filesystem::weakly_canonical(file, none);
+/// The canonical path: one for all spellings of a file's path.
+std::filesystem::path canonical_path(const std::string& file) {
+  std::error_code ignored;
+  return std::filesystem::weakly_canonical(file, ignored);
 }
 
 }  // namespace
 
-std::vector<std::string> given_twice(const std::vector<std::string>& files) {
+std::vector<std::string> duplicate_warnings(const std::vector<std::string>& files) {
   std::vector<std::string> out;
-  std::set<std::filesystem::path> known;
+  std::set<std::filesystem::path> seen;
   for (const std::string& file : files)
-    if (!known.insert(place_of(file)).second)
+    if (!seen.insert(canonical_path(file)).second)
       out.push_back(quoted(file) + " is given twice: it counts as two logs, and errors come out too small");
   return out;
 }
 
-std::vector<std::string> fitted_too(const std::vector<std::string>& fitted, const std::vector<std::string>& unseen) {
+std::vector<std::string> overlap_warnings(const std::vector<std::string>& fitted,
+                                          const std::vector<std::string>& validation) {
   std::vector<std::string> out;
-  for (const std::string& file : unseen)
-    if (std::any_of(fitted.begin(), fitted.end(), [&](auto& other) { return place_of(other) == place_of(file); }))
+  for (const std::string& file : validation)
+    if (std::any_of(fitted.begin(), fitted.end(), [&](auto& f) { return canonical_path(f) == canonical_path(file); }))
       out.push_back("--validate: " + quoted(file) + " is fitted too: what it shows is no validation");
   return out;
 }
@@ -90,8 +91,8 @@ Assignment assignment(const std::string& option, const std::string& item, const 
 }
 
 void set_once(const std::string& option, const std::string& given, const std::string& name, double value,
-              std::map<std::string, double>& to) {
-  if (!to.emplace(name, value).second) throw InputError(option + ": " + quoted(given) + ": named twice");
+              std::map<std::string, double>& values) {
+  if (!values.emplace(name, value).second) throw InputError(option + ": " + quoted(given) + ": named twice");
 }
 
 NamedPrior named_prior(const std::string& option, const std::string& item) {
@@ -108,9 +109,9 @@ NumberRange number_range(const std::string& option, const std::string& text, boo
     end = text.find(':', begin);
     numbers.push_back(to_number(option, text.substr(begin, end == std::string::npos ? end : end - begin)));
   }
-  const bool right = numbers.size() == (counted ? 3U : 2U) && numbers[0] < numbers[1];
-  const double count = right && counted ? numbers[2] : 2;
-  if (!right || !(count >= 2 && count <= 1000 && count == std::floor(count)))
+  const bool valid = numbers.size() == (counted ? 3U : 2U) && numbers[0] < numbers[1];
+  const double count = valid && counted ? numbers[2] : 2;
+  if (!valid || !(count >= 2 && count <= 1000 && count == std::floor(count)))
     throw InputError(
         option + ": " + quoted(text) + ": " +
         (counted ? "LO:HI:N, numbers that rise and a count from 2 to 1000," : "LO:HI, numbers that rise,") +
@@ -119,16 +120,16 @@ NumberRange number_range(const std::string& option, const std::string& text, boo
 }
 
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices) {
-  const auto at = std::find(choices.begin(), choices.end(), text);
-  if (at != choices.end()) return std::size_t(at - choices.begin());
+  const auto found = std::find(choices.begin(), choices.end(), text);
+  if (found != choices.end()) return std::size_t(found - choices.begin());
   throw InputError(fmt::format("{}: {}: {} or {} is needed{}", option, quoted(text),
                                fmt::join(choices.begin(), choices.end() - 1, ", "), choices.back(),
                                hint(text, choices)));
 }
 
 std::size_t constant_index(const std::string& option, const std::string& name) {
-  const auto at = std::find(kConstantNames.begin(), kConstantNames.end(), name);
-  if (at != kConstantNames.end()) return std::size_t(at - kConstantNames.begin());
+  const auto found = std::find(kConstantNames.begin(), kConstantNames.end(), name);
+  if (found != kConstantNames.end()) return std::size_t(found - kConstantNames.begin());
   throw InputError(option + ": " + one_of(name, {kConstantNames.begin(), kConstantNames.end()}));
 }
 

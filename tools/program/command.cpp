@@ -33,19 +33,18 @@ void add_common(CLI::App& verb, CommonOptions& o) {
 }
 
 void note_given(CLI::App& verb, std::shared_ptr<std::vector<std::string>> given) {
-  std::vector<CLI::Option*> own = verb.get_options();
-  std::erase_if(own, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
-  verb.parse_complete_callback([given, own] {
-    for (const CLI::Option* option : own)
+  std::vector<CLI::Option*> options = verb.get_options();
+  std::erase_if(options, [](auto* option) { return option->get_positional() || option->check_name("--help"); });
+  verb.parse_complete_callback([given, options] {
+    for (const CLI::Option* option : options)
       if (option->count() > 0) given->push_back(option->get_name());
   });
 }
 
-void only_known(const std::vector<std::string>& given, const std::vector<std::string>& known,
-                const std::string& beside) {
+void allow_only(const std::vector<std::string>& given, const std::vector<std::string>& known, const std::string& mode) {
   for (const std::string& option : given)
     if (std::find(known.begin(), known.end(), option) == known.end())
-      throw InputError(option + ": it has no say with " + beside);
+      throw InputError(option + ": it has no effect with " + mode);
 }
 
 }  // namespace ukemi::tools

@@ -1,4 +1,4 @@
-// A verb as a subcommand, and the options that all share.
+// A verb as a subcommand, and the options that all verbs share.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,21 +17,20 @@ using Action = std::function<int()>;  ///< returns the exit code
 /// -o, --json, --threads, --seed, --quiet, --no-report.
 void add_common(CLI::App& verb, CommonOptions& options);
 
-/// An option whose text is one of `choices`; `to` becomes the value of that choice.
+/// Adds an option whose text is one of `choices`; sets `value` to that of the choice.
 template <class T>
-void add_choice(CLI::App& verb, const std::string& option, T& to,
+void add_choice(CLI::App& verb, const std::string& option, T& value,
                 const std::type_identity_t<std::vector<std::pair<std::string, T>>>& choices, const std::string& help) {
   verb.add_option_function<std::string>(
-      option, [=, &to](const std::string& text) { to = choice<T>(option, text, choices); }, help);
+      option, [=, &value](const std::string& text) { value = choice<T>(option, text, choices); }, help);
 }
 
-/// Into `given` the names of those of the verb's options so far that the command line has.
+/// At parsing, collects in `given` the names of the options, of those added so far, that the command line has.
 void note_given(CLI::App& verb, std::shared_ptr<std::vector<std::string>> given);
-/// Throws InputError for one that is not among `known`: beside `beside` it has no say.
-void only_known(const std::vector<std::string>& given, const std::vector<std::string>& known,
-                const std::string& beside);
+/// Throws InputError for a given option that is not among `known`, those that have an effect together with `mode`.
+void allow_only(const std::vector<std::string>& given, const std::vector<std::string>& known, const std::string& mode);
 
-/// The common options, the example at the end of the help, and what the verb does when it is chosen.
+/// Adds the common options, the example at the end of the help, and the action that is `chosen` with the verb.
 template <class Arguments>
 void add_action(CLI::App& verb, const std::shared_ptr<Arguments>& arguments, const std::string& example, Action& chosen,
                 int (*run)(const Arguments&, const CommonOptions&)) {

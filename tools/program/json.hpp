@@ -1,4 +1,4 @@
-// JSON whose keys stand in the order in which they were given.
+// JSON whose keys keep the order in which they were inserted.
 #pragma once
 
 #include <nlohmann/json.hpp>

@@ -8,30 +8,30 @@ namespace ukemi::tools {
 
 namespace {
 
-/// What --help names.
+/// The subcommands that --help lists.
 std::vector<const CLI::App*> verbs_of(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* verb) { return !verb->get_group().empty(); });
 }
-/// The command line that calls it: "ukemi bench scenes".
-std::string words_of(const CLI::App& app) {
-  return app.get_parent() ? words_of(*app.get_parent()) + " " + app.get_name() : app.get_name();
+/// The words that call it: "ukemi bench scenes".
+std::string command_path(const CLI::App& app) {
+  return app.get_parent() ? command_path(*app.get_parent()) + " " + app.get_name() : app.get_name();
 }
-/// A line of the completion's two tables for the program or a verb, and for those below it.
-void add_words(const CLI::App& app, std::string& known, std::string& lines) {
+/// Appends to the completion's two tables, command paths and words of each, for `app` and its subcommands.
+void add_words(const CLI::App& app, std::string& paths, std::string& cases) {
   std::string words;
   for (const CLI::App* verb : verbs_of(app)) words += verb->get_name() + " ";
   for (const CLI::Option* o : app.get_options([](const CLI::Option* o) { return !o->get_positional(); }))
     for (const std::string& name : o->get_lnames()) words += "--" + name + " ";
-  lines += fmt::format("    '{}') words='{}' ;;\n", words_of(app), words);
+  cases += fmt::format("    '{}') words='{}' ;;\n", command_path(app), words);
   for (const CLI::App* verb : verbs_of(app)) {
-    known += fmt::format("{}'{}'", known.empty() ? "" : "|", words_of(*verb));
-    add_words(*verb, known, lines);
+    paths += fmt::format("{}'{}'", paths.empty() ? "" : "|", command_path(*verb));
+    add_words(*verb, paths, cases);
   }
 }
 
 std::string completion(const CLI::App& app) {
-  std::string known, lines;
-  add_words(app, known, lines);
+  std::string paths, cases;
+  add_words(app, paths, cases);
   const std::string& name = app.get_name();
   return fmt::format(R"(# bash completion for {0}: verbs and options, else files.
 _{0}() {{
@@ -48,12 +48,12 @@ _{0}() {{
 }}
 complete -o filenames -F _{0} {0}
 )",
-                     name, known, lines);
+                     name, paths, cases);
 }
 
 /// A line for each man page: its command line and, after a tab, what it does.
 std::string pages(const CLI::App& app) {
-  std::string out = fmt::format("{}\t{}\n", words_of(app), app.get_description());
+  std::string out = fmt::format("{}\t{}\n", command_path(app), app.get_description());
   for (const CLI::App* verb : verbs_of(app)) out += pages(*verb);
   return out;
 }

@@ -1,4 +1,4 @@
-// What the manual is made from: bash completion, and the list of the man pages, from the program's own options.
+// Sources of the manual: bash completion and the list of man pages, generated from the program's options.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -15,7 +15,7 @@ struct OptionGroup {
   std::set<std::string> names;
 };
 
-/// In the order of --help.
+/// In the order of --help; names without dashes.
 const std::array<OptionGroup, 9>& option_groups() {
   static const std::array<OptionGroup, 9> groups = {{
       {"What to plan for",
@@ -47,18 +47,18 @@ const std::array<OptionGroup, 9>& option_groups() {
   return groups;
 }
 
-/// CLI11 prints headings as options come; here they come in the order above.
+/// Prints headings in the order above; CLI11 does so in the order of the options.
 class GroupFormatter : public CLI::Formatter {
  public:
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
     if (mode == CLI::AppFormatMode::Sub) return make_expanded(app);
-    std::string out = make_description(app) + make_usage(app, name) + make_positionals(app) + headed(*app, "Options");
-    for (const OptionGroup& g : option_groups()) out += headed(*app, g.heading);
+    std::string out = make_description(app) + make_usage(app, name) + make_positionals(app) + section(*app, "Options");
+    for (const OptionGroup& g : option_groups()) out += section(*app, g.heading);
     return out + make_subcommands(app, mode) + "\n" + make_footer(app);
   }
 
  private:
-  std::string headed(const CLI::App& app, const std::string& heading) const {
+  std::string section(const CLI::App& app, const std::string& heading) const {
     const auto options =
         app.get_options([&](const CLI::Option* o) { return o->get_group() == heading && o->nonpositional(); });
     return options.empty() ? "" : make_group(heading, false, options);
@@ -70,7 +70,7 @@ void group(CLI::App& verb, const std::shared_ptr<GroupFormatter>& formatter) {
   for (CLI::Option* option : verb.get_options())
     for (const OptionGroup& g : option_groups())
       if (!option->get_lnames().empty() && g.names.count(option->get_lnames().front())) option->group(g.heading);
-  for (CLI::App* of : verb.get_subcommands({})) group(*of, formatter);
+  for (CLI::App* subcommand : verb.get_subcommands({})) group(*subcommand, formatter);
 }
 
 }  // namespace

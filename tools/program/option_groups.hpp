@@ -1,12 +1,12 @@
-// Headings of a verb's --help: what an option is about, told once for all verbs.
+// Headings of --help, by the subject of an option, defined once for all verbs.
 #pragma once
 
 #include <CLI/CLI.hpp>
 
 namespace ukemi::tools {
 
-/// Gives every option of the verbs its heading, in one order. An option that no heading has stays under "Options", as
-/// --help does. Call once all verbs have their options.
+/// Puts every option of the verbs under its heading, in one order of headings. An option without one stays under
+/// "Options", as --help does. Call after all verbs have added their options.
 void group_options(CLI::App& app);
 
 }  // namespace ukemi::tools

@@ -22,7 +22,7 @@ namespace {
 
 std::string command_line;
 
-/// Every file that a verb may write besides summary.json; '#' stands for a number.
+/// Every file that a verb may write besides summary.json; '#' is a number.
 std::vector<std::string> result_names(const Outputs& outputs) {
   std::vector<std::string> names = outputs.files;
   names.push_back("report.html");
@@ -31,7 +31,7 @@ std::vector<std::string> result_names(const Outputs& outputs) {
   return names;
 }
 
-/// Where a verb writes; for `ukemi bench scenes`, ukemi-out/bench-scenes.
+/// The folder of the results; default of `ukemi bench scenes`: ukemi-out/bench-scenes.
 std::string folder_of(const std::string& verb, const CommonOptions& options) {
   if (!options.folder.empty()) return options.folder;
   std::string name = verb;
@@ -59,7 +59,7 @@ Run::Run(const Outputs& outputs, const CommonOptions& options)
       options_(options),
       folder_(folder_of(verb_, options), result_names(outputs)),
       watch_([this](const ReadFile& file) { note(file); }),
-      started_(std::time(nullptr)),
+      start_time_(std::time(nullptr)),
       start_(std::chrono::steady_clock::now()) {
   options_.folder = folder_.path();
 }
@@ -89,14 +89,14 @@ void Run::say(const std::string& line) const {
 }
 void Run::progress(const std::string& what, const std::string& unit, long done, long total) const {
   if (options_.messages != CommonOptions::Messages::kShow || total <= 0) return;
-  constexpr double kBar = 0.1, kLine = 10;  // between two updates of it [s]
+  constexpr double kBarPeriod = 0.1, kLinePeriod = 10;  // between two updates [s]
   const std::lock_guard lock(progress_mutex_);
   const bool terminal = isatty(fileno(stderr));
   const double elapsed = seconds(), rate = elapsed > 0 ? double(done) / elapsed : 0;
-  if (elapsed - shown_ < (terminal ? kBar : kLine) && !(terminal && done >= total)) return;
-  shown_ = elapsed;
-  const double left = rate > 0 ? double(total - done) / rate : 0;
-  const std::string state = fmt::format("{} of {} {}, {:.3g}/s, {:.0f} s left", done, total, unit, rate, left);
+  if (elapsed - last_progress_ < (terminal ? kBarPeriod : kLinePeriod) && !(terminal && done >= total)) return;
+  last_progress_ = elapsed;
+  const double remaining = rate > 0 ? double(total - done) / rate : 0;
+  const std::string state = fmt::format("{} of {} {}, {:.3g}/s, {:.0f} s left", done, total, unit, rate, remaining);
   if (!terminal) {
     print_message(fmt::format("{}: {}", what, state));
     return;
@@ -118,7 +118,7 @@ std::vector<std::pair<std::string, std::string>> Run::provenance() const {
   for (const std::string& path : inputs_)
     if (const auto read = checksums_.find(path); read != checksums_.end())
       p.emplace_back("checksum " + shown(path), "fnv1a-64 " + read->second);
-  p.emplace_back("time", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(started_)));
+  p.emplace_back("time", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(start_time_)));
   return p;
 }
 std::string Run::provenance_text() const {
@@ -147,7 +147,7 @@ int Run::finish(Json summary, int exit_code) {
   if (options_.report == CommonOptions::Report::kSkip) files_.erase("report.html");
   add(kSummaryFile, "");
   for (const auto& [name, content] : files_) summary["files"].push_back(name);
-  // A file name may be no UTF-8: it is shown with replacement characters, never an error.
+  // A file name that is not UTF-8 is written with replacement characters, never an error.
   const std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   add(kSummaryFile, text);
   folder_.replace(files_);

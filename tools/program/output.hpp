@@ -1,4 +1,4 @@
-// What the verbs share: the common options, where files go, provenance, messages.
+// Output that all verbs share: common options, result files, provenance, messages.
 #pragma once
 
 #include <chrono>
@@ -37,18 +37,18 @@ void set_command_line(int argc, char** argv);
 /// The command line of another front end, as it is given.
 void set_command_line(std::string text);
 
-/// What a verb writes.
+/// The files that a verb may write.
 struct Outputs {
   std::string verb;                       ///< "trade"; "bench scenes"
-  std::vector<std::string> files;         ///< besides summary.json and report.html; '#' stands for a number
+  std::vector<std::string> files;         ///< besides summary.json and report.html; '#' is a number
   std::vector<std::string> figures = {};  ///< of its report, which --figures writes as files of their own
 
-  /// With the figures of another picture.
+  /// With further figures.
   Outputs with(const std::vector<std::string>& more) const;
 };
 
-/// One verb's run: collects files, warnings and the summary, and at the end exchanges what an earlier run left for
-/// them. Nothing is written over that this run reads.
+/// One verb's run: collects files, warnings and the summary; at the end they replace the results of an earlier run in
+/// the folder. A file that this run reads is never overwritten.
 class Run {
  public:
   Run(const Outputs& outputs, const CommonOptions& options);
@@ -57,31 +57,31 @@ class Run {
 
   const CommonOptions& options() const { return options_; }
   const std::string& folder() const { return folder_.path(); }  ///< of the results
-  /// A file that is or will be read: the checksum of what was read goes into the provenance.
+  /// Notes a file that is or will be read: its checksum goes into the provenance.
   void input(const std::string& path);
-  /// A file of the results, under one of the names of the verb's Outputs.
+  /// Adds a result file, under one of the names of the verb's Outputs.
   void add(const std::string& name, std::string content);
-  /// For a run whose parts are runs of their own: until it finishes, its folder has no summary.
+  /// Removes the summary until the run finishes: for a run that consists of several runs.
   void withdraw_summary() const { folder_.withdraw_summary(); }
-  /// Into the summary's warnings, and to stderr but with Messages::kNone.
+  /// Adds to the summary's warnings and prints to stderr, unless Messages::kNone.
   void warn(const std::string& message);
   void info(const std::string& message) const;  ///< to stderr unless --quiet
-  /// A line of the result for a reader, to stdout unless --json.
+  /// Prints a line of the result to stdout, unless --json.
   void say(const std::string& line) const;
   /// Progress on stderr: a bar with rate and remaining time on a terminal; elsewhere a line every ten seconds.
   void progress(const std::string& what, const std::string& unit, long done, long total) const;
-  /// Shows progress of `unit`, in the plural, as above, and stops at Ctrl-C, which from now on is a request. The run
-  /// must outlive it.
+  /// A monitor that shows progress in `unit` (plural) as above and stops at Ctrl-C, which from now on is a request. The
+  /// run must outlive it.
   Monitor monitor(const std::string& what, const std::string& unit) const;
 
-  /// Key, value pairs, safe to show: version, command line, checksums, seed, time of the start.
+  /// Key-value pairs, safe to print: version, command line, checksums, seed, time of the start.
   std::vector<std::pair<std::string, std::string>> provenance() const;
   std::string provenance_text() const;  ///< a line each
-  CsvWriter csv() const;                ///< with the provenance in front
+  CsvWriter csv() const;                ///< starts with the provenance as comments
   const std::vector<std::string>& warnings() const { return warnings_; }
   double seconds() const;
 
-  /// Adds provenance and the names of the files to the summary, exchanges the files, prints the JSON with --json.
+  /// Adds provenance and file names to the summary, replaces the result files, prints the JSON with --json.
   /// Returns the exit code: kInterrupted after Ctrl-C, and the summary says so.
   int finish(Json summary, int exit_code);
 
@@ -96,17 +96,17 @@ class Run {
   std::map<std::string, std::string> checksums_;  ///< of every file that was read
   std::map<std::string, std::string> files_;
   std::vector<std::string> warnings_;
-  std::time_t started_;  ///< the time of the provenance: one for all files
+  std::time_t start_time_;  ///< in the provenance of every file
   std::chrono::steady_clock::time_point start_;
   mutable std::mutex progress_mutex_;
-  mutable double shown_ = 0;  ///< when progress was last shown [s]
+  mutable double last_progress_ = 0;  ///< when progress was last shown [s]
 };
 
 /// A file of the shipped datasets, from any working directory: $UKEMI_DATASETS, beside the program, the source tree, or
 /// where it was installed.
 std::string dataset(const std::string& relative);
 
-/// A number or null.
+/// The number, or null where it is not finite or absent.
 Json number(double value);
 Json number(const std::optional<double>& value);
 

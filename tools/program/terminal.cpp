@@ -17,13 +17,13 @@ namespace ukemi::tools {
 
 namespace {
 
-int stdout_error = 0;  ///< errno of the first failure
+int stdout_error = 0;  ///< errno of the first failed write
 
 void note_failure(bool failed) {
   if (failed && stdout_error == 0) stdout_error = errno;
 }
 
-bool knows_colours() {
+bool has_colours() {
   const char *no_colour = std::getenv("NO_COLOR"), *terminal = std::getenv("TERM");
   return ::isatty(STDERR_FILENO) && !(no_colour && *no_colour) && terminal && std::strcmp(terminal, "dumb") != 0;
 }
@@ -63,7 +63,7 @@ bool open_for_reader(const std::string& file) {
 void print_message_raw(const char* text) { std::fputs(text, stderr); }
 
 void print_message(const std::string& line, Tone tone) {
-  static const bool coloured = knows_colours();
+  static const bool coloured = has_colours();
   const std::string text = shown(line);
   if (tone == Tone::kPlain || !coloured) return print_message_raw((text + "\n").c_str());
   print_message_raw(((tone == Tone::kError ? "\033[1;31m" : "\033[33m") + text + "\033[0m\n").c_str());

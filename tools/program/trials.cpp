@@ -23,7 +23,7 @@ Json gains_json(const std::optional<identify::HebiGains>& g) {
   return {{"kp", number(g->k_p)}, {"ki", number(g->k_i)}, {"kd", number(g->k_d)}};
 }
 
-/// What the log states about the module, for the record.
+/// What the log states about the module, for the summary.
 Json module_json(const std::string& file, const identify::HebiModule& m) {
   return {{"file", file},
           {"name", m.name},
@@ -36,8 +36,8 @@ Json module_json(const std::string& file, const identify::HebiModule& m) {
           {"effort_gains", gains_json(m.effort_gains)}};
 }
 
-/// The rigs that some trials have of their own, by the trial's path or file name. Throws InputError.
-void give_rigs(std::vector<identify::Trial>& trials, const std::vector<std::string>& given, Run& run) {
+/// Assigns the rigs of --trial-rig, by the trial's path or file name. Throws InputError.
+void assign_rigs(std::vector<identify::Trial>& trials, const std::vector<std::string>& given, Run& run) {
   for (const std::string& item : given) {
     const Assignment a = assignment("--trial-rig", item, "FILE=RIG");
     bool found = false;
@@ -53,8 +53,8 @@ void give_rigs(std::vector<identify::Trial>& trials, const std::vector<std::stri
 
 }  // namespace
 
-identify::Trial read_any(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
-                         const identify::Rig& rig, Json& modules) {
+identify::Trial read_trial_file(const std::string& path, const TrialArguments& a, const identify::TrialOptions& csv,
+                                const identify::Rig& rig, Json& modules) {
   const bool binary = identify::is_hebilog(path);
   if (!binary && (!a.columns.empty() || !identify::is_hebi_csv(path))) return identify::read_trial(path, csv);
   const identify::HebiLog log = binary ? identify::read_hebilog(path) : identify::read_hebi_csv(path);
@@ -73,7 +73,7 @@ void add_trial_options(CLI::App& verb, TrialArguments& a) {
       "--hebi-effort", [&a] { a.effort = identify::HebiTrialOptions::Effort::kTorque; },
       "a HEBI log's effort is the trial's torque; its scale, torque_gain, is fitted along");
   verb.add_flag_callback(
-      "--multi-turn", [&a] { a.angles = identify::TrialOptions::Angles::kMultiTurn; }, "angles beyond 2 pi are meant");
+      "--multi-turn", [&a] { a.angles = identify::TrialOptions::Angles::kMultiTurn; }, "accepts angles beyond 2 pi");
   verb.add_option("--force-log", a.force_logs,
                   "CSV with t [s], force [N]: one for all trials, or the option once for each")
       ->allow_extra_args(false);
@@ -132,10 +132,10 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   Json modules = Json::array(), forces = Json::array();
   for (const std::string& path : paths) {
     run.input(path);
-    out.trials.push_back(read_any(path, a, csv, rig, modules));
+    out.trials.push_back(read_trial_file(path, a, csv, rig, modules));
   }
-  for (const std::string& twice : given_twice(paths)) run.warn(twice);
-  give_rigs(out.trials, a.trial_rigs, run);
+  for (const std::string& warning : duplicate_warnings(paths)) run.warn(warning);
+  assign_rigs(out.trials, a.trial_rigs, run);
   if (a.drive == identify::Drive::Kind::kCommand)
     for (identify::Trial& t : out.trials)
       if (t.rig) t.rig->drive.kind = a.drive;
@@ -155,24 +155,24 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   if (a.force_noise && !(*a.force_noise >= 0 && std::isfinite(*a.force_noise)))
     throw InputError(fmt::format("--force-noise: {}: at least 0 N is needed", *a.force_noise));
   Json noises = Json::array();
-  double noisiest = 0;
+  double largest_noise = 0;
   for (identify::Trial& t : out.trials) {
-    identify::rest_between_hits(t, a.force_noise);
+    identify::flatten_force_between_hits(t, a.force_noise);
     if (a.force_curve == TrialArguments::ForceCurve::kSmooth) t.force_smooth = 1;
-    noises.push_back(number(t.force_noise)), noisiest = std::max(noisiest, t.force_noise);
+    noises.push_back(number(t.force_noise)), largest_noise = std::max(largest_noise, t.force_noise);
   }
-  if (noisiest > 0) out.summary["force_noise"] = noises;
+  if (largest_noise > 0) out.summary["force_noise"] = noises;
   if (needs.excitation == TrialNeeds::Excitation::kRequired)
     for (const identify::Trial& t : out.trials) identify::require_excitation(t);
   if (!modules.empty()) out.summary["modules"] = modules;
   if (!forces.empty()) out.summary["force_logs"] = forces;
 
-  // Warnings last: a refusal is one line.
-  if (noisiest > 0)
+  // Warnings last, so that a refused input prints its error alone.
+  if (largest_noise > 0)
     run.say(
         fmt::format("force noise {:.3g} N{}: between hits the force is at rest, within them its noise weighs the "
                     "residuals",
-                    noisiest, a.force_noise ? "" : " at most, estimated before each first hit"));
+                    largest_noise, a.force_noise ? "" : " at most, estimated before each first hit"));
   for (const identify::Trial& t : out.trials)
     if (t.force_rest != 0)
       run.warn(fmt::format("{}: the load cell reads {:.3g} N at rest: tare it, or --nuisance force_bias", t.file,

@@ -6,8 +6,8 @@
 namespace ukemi::tools {
 
 namespace {
-std::vector<Verb>& enrolled() {
-  static std::vector<Verb> all;  // made by the first verb that enrols
+std::vector<Verb>& registry() {
+  static std::vector<Verb> all;  // constructed by the first verb that registers
   return all;
 }
 }  // namespace
@@ -19,11 +19,11 @@ const char* name(VerbGroup group) {
 
 Verb::Verb(VerbGroup group_, const char* name_, const char* purpose_, void (*add_)(CLI::App* verb, Action& chosen))
     : group(group_), name(name_), purpose(purpose_), add(add_) {
-  enrolled().push_back(*this);
+  registry().push_back(*this);
 }
 
 std::vector<Verb> verbs() {
-  std::vector<Verb> out = enrolled();
+  std::vector<Verb> out = registry();
   std::sort(out.begin(), out.end(), [](const Verb& a, const Verb& b) {
     return std::make_tuple(a.group, std::string(a.name)) < std::make_tuple(b.group, std::string(b.name));
   });

@@ -1,4 +1,4 @@
-// A verb of the program, told once: in its own file, which no list names.
+// A verb of the program. It registers itself in its own source file; there is no central list.
 #pragma once
 
 #include <string>
@@ -12,16 +12,16 @@ namespace ukemi::tools {
 enum class VerbGroup { kConstants, kLandings, kProgram };
 const char* name(VerbGroup group);
 
-/// A verb enrols itself where it is constructed, as a constant of its source file.
+/// The constructor registers the verb; construct it as a constant of its source file.
 struct Verb {
   VerbGroup group;
   const char *name, *purpose;
-  void (*add)(CLI::App* verb, Action& chosen);  ///< its options and what it does, into its subcommand
+  void (*add)(CLI::App* verb, Action& chosen);  ///< adds options and action to its subcommand
 
   Verb(VerbGroup group, const char* name, const char* purpose, void (*add)(CLI::App* verb, Action& chosen));
 };
 
-/// Every verb that is linked, by group and name.
+/// Every verb that is linked, sorted by group and name.
 std::vector<Verb> verbs();
 
 }  // namespace ukemi::tools

@@ -1,4 +1,4 @@
-// The atlas for Python: planned, saved, and read as a control program reads it.
+// Python bindings of atlases: planning, saving, reading.
 #include <fmt/format.h>
 
 #include <mutex>
@@ -18,16 +18,16 @@ namespace ukemi::python {
 
 using namespace landing;
 
-/// A file's header has no gaps but is no struct of plain fields.
+/// The header of a file has no padding but is not reflectable.
 template <>
-struct Carry<AtlasHeader> {
+struct Serializer<AtlasHeader> {
   template <class A, class X>
-  static void go(A& a, X& x) {
+  static void apply(A& a, X& x) {
     static_assert(std::is_trivially_copyable_v<AtlasHeader>);
     std::array<char, sizeof(AtlasHeader)> bytes;
-    if constexpr (!A::kReads) std::memcpy(bytes.data(), &x, sizeof x);
-    carry(a, bytes);
-    if constexpr (A::kReads) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
+    if constexpr (!A::kReading) std::memcpy(bytes.data(), &x, sizeof x);
+    serialize(a, bytes);
+    if constexpr (A::kReading) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
   }
 };
 
@@ -39,7 +39,7 @@ struct AtlasPlan {
   Actuator actuator;
   std::uint64_t seed = 1;
 };
-/// Of a robot of links.
+/// An atlas of a robot of links.
 struct BodyAtlasPlan {
   tools::AtlasResult result;
   BodyScene scene;
@@ -83,7 +83,7 @@ BodyAtlasPlan planned(const BodyScene& scene, AtlasOptions& options) {
   return out;
 }
 
-/// A number of every cell, in the grid's shape.
+/// of(cell) of every cell as an array of the grid's shape; NaN without a motion.
 template <class Of>
 py::array_t<double> column_of(const Atlas& atlas, Of of) {
   std::vector<py::ssize_t> shape;
@@ -94,7 +94,7 @@ py::array_t<double> column_of(const Atlas& atlas, Of of) {
   return out;
 }
 
-/// The cell of a drop by its indices; null: it has no motion.
+/// The cell at grid indices; null if it has no motion. Throws InputError for an index out of range.
 const AtlasCell* cell_at(const Atlas& atlas, const std::array<std::size_t, AtlasGrid::kAxes>& place) {
   const AtlasHeader& h = atlas.header;
   for (std::size_t k = 0; k < place.size(); ++k)
@@ -161,19 +161,19 @@ void bind_atlas_class(py::module_& m, const char* name, const char* words, const
       [](const Plan& p) { return p.seed; });
 }
 
-/// What a reader found, with the goal's name.
+/// A reader's entry with the goal's name.
 struct NamedEntry {
   AtlasEntry entry;
   std::string goal;
 };
-/// A reader that is asked by one thread at a time, whatever Python's do.
+/// A reader that throws if a second thread uses it meanwhile.
 class PythonReader {
  public:
   PythonReader(const Path& path, const Scene& scene, const Actuator& actuator, const AtlasReader::Options& options)
       : reader_(path, scene, (require_gains(actuator), actuator.sea), options),
         goal_(goal_name(std::uint64_t(options.goal))) {}
   NamedEntry at(const Drop& drop) {
-    const std::unique_lock lock(asked_, std::try_to_lock);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("the reader is asked by another thread already");
     const py::gil_scoped_release release;
     return {reader_.at(drop), goal_};
@@ -182,16 +182,16 @@ class PythonReader {
  private:
   AtlasReader reader_;
   std::string goal_;
-  std::mutex asked_;
+  std::mutex mutex_;
 };
 
-/// The same of a robot of links.
+/// The reader of a robot of links; throws if a second thread uses it meanwhile.
 class PythonBodyReader {
  public:
   PythonBodyReader(const Path& path, const BodyScene& scene, const AtlasReader::Options& options)
       : scene_(scene), reader_(path, scene, options), goal_(goal_name(std::uint64_t(options.goal))) {}
   py::dict at(const Drop& drop) {
-    const std::unique_lock lock(asked_, std::try_to_lock);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("the reader is asked by another thread already");
     const BodyAtlasEntry e = [&] {
       const py::gil_scoped_release release;
@@ -209,7 +209,7 @@ class PythonBodyReader {
   const BodyScene scene_;
   BodyAtlasReader reader_;
   std::string goal_;
-  std::mutex asked_;
+  std::mutex mutex_;
 };
 
 void bind_body_reader(py::module_& m) {
@@ -218,7 +218,7 @@ void bind_body_reader(py::module_& m) {
                        const std::vector<std::string>& forbidden, bool ratings) {
              AtlasReader::Options options{.goal = goal_of(objective)};
              options.deadline = checked("deadline", deadline, Range::positive());
-             return std::make_unique<PythonBodyReader>(path, limited(scene, forbidden, ratings), options);
+             return std::make_unique<PythonBodyReader>(path, with_limits(scene, forbidden, ratings), options);
            }),
            "path: atlas.bin; scene, forbid and respect_ratings: those of the atlas; objective: peak or tolerant, by "
            "which motions are compared; deadline for playing them [s].",
@@ -322,8 +322,8 @@ void bind_atlas(py::module_& m) {
          const std::optional<std::string>& robust, const std::optional<std::string>& scatter, double inflate,
          long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden, bool ratings) {
         AtlasOptions options;
-        const auto axis = [](const char* what, const std::optional<Axis>& given, double own) {
-          return given ? axis_of(what, *given) : AtlasAxis{own, own, 1};
+        const auto axis = [](const char* what, const std::optional<Axis>& given, double scene_value) {
+          return given ? axis_of(what, *given) : AtlasAxis{scene_value, scene_value, 1};
         };
         options.grid.axes = {axis("height", height, scene.drop.height),
                              axis("forward_speed", forward_speed, scene.drop.forward_speed),
@@ -331,7 +331,7 @@ void bind_atlas(py::module_& m) {
         options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
         options.search.seed = seed, options.search.threads = threads;
         options.robust = robust_of(robust, scatter, inflate, samples);
-        return planned(limited(scene, forbidden, ratings), options);
+        return planned(with_limits(scene, forbidden, ratings), options);
       },
       py::arg("scene"), py::arg("height") = py::none(), py::arg("forward_speed") = py::none(),
       py::arg("pitch") = py::none(), py::arg("objective") = "peak", py::arg("evaluations") = py::none(),

@@ -1,4 +1,4 @@
-// What the parts of the Python module share: arrays, checks, long calls, figures.
+// Shared by all parts of the Python module: arrays, checks, long calls, figures.
 #pragma once
 
 #include <pybind11/eigen.h>
@@ -29,81 +29,81 @@ namespace ukemi::python {
 namespace py = pybind11;
 
 using AnyNumbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
-/// Of an argument; one with masked values is refused (InputError): they are no numbers.
+/// An array argument; throws InputError if it has masked values.
 struct Numbers {
   AnyNumbers array;
 };
 void refuse_masked(py::handle array);
-/// Of an argument that names a file or a folder: str or os.PathLike.
+/// An argument that names a file or a folder: str or os.PathLike.
 struct Path {
   std::string text;
   operator const std::string&() const { return text; }
 };
-/// None where it is neither. Throws InputError for a path that no system has.
+/// Absent where `given` is neither. Throws InputError for a path that cannot exist.
 std::optional<Path> path_of(py::handle given);
 using Bounds = std::map<std::string, double>;
 using Priors = std::map<std::string, std::pair<double, double>>;  ///< value, standard deviation
 
-/// A value that a file would be allowed to hold. Throws InputError "WHAT: value: rule".
+/// Returns `value` if it is in range, as for values in files. Throws InputError "WHAT: value: rule".
 double checked(const std::string& what, double value, const Range& range);
 std::optional<double> checked(const std::string& what, std::optional<double> value, const Range& range);
-/// Of any Python object. Throws InputError where it is no number.
+/// A Python object as a number. Throws InputError where it is none.
 double number(const std::string& what, py::handle value);
-/// The numbers of one column. Throws InputError where it has another shape than `rows` (0: any).
+/// A one-dimensional array of `rows` numbers (0: any). Throws InputError for another shape.
 std::vector<double> column(const std::string& what, const Numbers& numbers, std::size_t rows = 0);
 std::vector<double> column(const std::string& what, const std::optional<Numbers>& numbers, std::size_t rows);
 
-/// `count` numbers, each so many bytes behind the one before, as an array that `owner` keeps alive; nothing is copied.
+/// Read-only array of `count` numbers at `stride` bytes, kept alive by `owner`, without a copy.
 py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner);
 inline py::array_t<double> view(const std::vector<double>& numbers, py::handle owner) {
   return view(numbers.data(), numbers.size(), sizeof(double), owner);
 }
 
-/// f(stop) on a thread of its own, the interpreter free meanwhile. What Python's signal handlers raise (Ctrl-C) makes
-/// stop() true; it is raised here once f has returned.
+/// Runs f(stop) on another thread without the GIL. An exception of Python's signal handlers (Ctrl-C) makes stop() true
+/// and is rethrown once f has returned.
 template <class F>
 auto long_call(F&& f) {
   std::atomic<bool> stop{false};
   const std::function<bool()> stopped = [&] { return stop.load(); };
   auto result = std::async(std::launch::async, [&] { return f(stopped); });
-  std::optional<py::error_already_set> raised;
-  const auto over = [&] {
+  std::optional<py::error_already_set> exception;
+  const auto finished = [&] {
     const py::gil_scoped_release release;
     return result.wait_for(std::chrono::milliseconds(20)) == std::future_status::ready;
   };
-  while (!over())
-    if (!raised && PyErr_CheckSignals() != 0) raised.emplace(), stop = true;
-  if (raised) throw py::error_already_set(std::move(*raised));
+  while (!finished())
+    if (!exception && PyErr_CheckSignals() != 0) exception.emplace(), stop = true;
+  if (exception) throw py::error_already_set(std::move(*exception));
   return result.get();
 }
 
-/// Scatter's factor of the constants' standard errors, 0 to 100.
+/// Factor of the constants' standard errors under scatter, 0 to 100.
 inline double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
-/// Rows a second [Hz].
+/// Rows per second [Hz], above 0.
 inline double checked_rate(double rate) { return checked("rate", rate, {0, 1e6, true, "above 0 to 1e6 Hz"}); }
-/// An angle, which is in radians.
+/// Checks an angle [rad]: at most one turn.
 inline double angle(const std::string& what, double radians) {
   const double turn = 2 * std::numbers::pi;
   return checked(what, radians, {-turn, turn, false, "-2 pi to 2 pi rad; math.radians makes them of degrees"});
 }
 
-/// A picture: notebooks show it by themselves.
+/// An SVG picture; notebooks show it.
 struct Figure {
   std::string svg;
 };
 
-/// What is fitted, and what is asked of it.
+/// `terms` with the fitted names, priors and bounds of a call's arguments.
 template <class Choice>
-Choice choose(Choice terms, const std::optional<std::vector<std::string>>& free,
-              const std::vector<std::string>& nuisance, const Priors& priors, const Bounds& lower,
-              const Bounds& upper) {
+Choice chosen_terms(Choice terms, const std::optional<std::vector<std::string>>& free,
+                    const std::vector<std::string>& nuisance, const Priors& priors, const Bounds& lower,
+                    const Bounds& upper) {
   if (free) terms.free = *free;
   terms.nuisance = nuisance, terms.lower = lower, terms.upper = upper;
-  for (const auto& [name, known] : priors) terms.priors.push_back({name, known.first, known.second});
+  for (const auto& [name, prior] : priors) terms.priors.push_back({name, prior.first, prior.second});
   return terms;
 }
 
-/// What a fit says of its terms, for a class of results that have it.
+/// Binds the estimates of a fit; of(result): the fit.
 template <class Result, class... Options>
 void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates& (*of)(const Result&)) {
   using identify::Estimate;
@@ -145,7 +145,7 @@ void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates
           "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
 }
 
-/// Its likelihood profiles, as far as they were asked for.
+/// Binds the requested likelihood profiles; of(result): the profiles.
 template <class Result, class... Options>
 void bind_profiles(py::class_<Result, Options...>& c, std::vector<identify::Profile> (*of)(const Result&)) {
   using Interval = std::pair<std::optional<double>, std::optional<double>>;
@@ -161,7 +161,7 @@ void bind_profiles(py::class_<Result, Options...>& c, std::vector<identify::Prof
       "it ends beyond three standard errors.");
 }
 
-/// tools::require_gains of an argument.
+/// tools::require_gains for the argument "actuator".
 inline void require_gains(const Actuator& actuator) { tools::require_gains(actuator, {"actuator"}); }
 
 void bind_common(py::module_& m);          ///< errors, figures, the actuator

@@ -1,4 +1,4 @@
-// Robots of links for Python: read, shown, one landing.
+// Python bindings of robots of links: reading, landing.
 #include "tools/python/body.hpp"
 
 #include <fmt/format.h>
@@ -182,7 +182,7 @@ void bind_files(py::module_& m) {
       "Writes a motion file of a robot of links: motions of its joints by name.");
 }
 
-/// A number that every row has for each of `names`, by that name.
+/// Binds a dict of columns of the trajectory: an array for each of `names`.
 template <std::size_t N>
 void bind_columns(py::class_<BodyPlayed>& c, const char* name, std::array<double, N> BodySample::*at,
                   std::vector<std::string> (*names)(const Robot&), const char* words) {
@@ -269,7 +269,7 @@ void bind_body_landing(py::module_& m) {
   bind_value(c);
   bind_report(
       c, tools::kSimulateOutputs,
-      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_beside(p.checked, p.rate), {}, run); },
+      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_landing(p.checked, p.rate), {}, run); },
       [](const BodyPlayed&) { return 1; });
 }
 

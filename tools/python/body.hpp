@@ -1,4 +1,4 @@
-// What the bindings of robots of links share.
+// Shared by the bindings of robots of links.
 #pragma once
 
 #include "landing/plan/body_plan.hpp"
@@ -10,18 +10,18 @@ namespace ukemi::python {
 
 /// Motions of driven joints by the joint's name.
 using JointMotions = std::map<std::string, landing::Motion>;
-/// Joints that are not named are held where the scene says. Throws InputError for one that is not driven.
+/// Motions of all joints; those without one are held. Throws InputError for a name that is no driven joint.
 landing::BodyMotion motions_of(const landing::BodyScene& scene, const JointMotions& motions);
-/// Those of the driven joints, in the robot's order.
+/// Motions of the driven joints by name, in the robot's order.
 py::dict by_joint(const landing::Robot& robot, const landing::BodyMotion& motion);
 
-/// The loads of a scene by name: kind, of, rating, unit, limit; of a landing also value, t [s] and ratio.
+/// Dicts of loads by name: kind, of, rating, unit, limit; of a landing also value, t [s] and ratio.
 py::dict loads_of_scene(const landing::BodyScene& scene);
 py::dict loads_of_landing(const landing::BodyScene& scene, const landing::BodyLanding& landing);
 
-/// The scene with limits beside its stops.
-landing::BodyScene limited(landing::BodyScene scene, const std::vector<std::string>& forbidden, bool ratings);
-/// What optimize and trade have in common; checked for the scene.
+/// The scene with forbidden contacts and, if `ratings`, the drives' ratings as further limits.
+landing::BodyScene with_limits(landing::BodyScene scene, const std::vector<std::string>& forbidden, bool ratings);
+/// Plan options from the arguments common to optimize and trade, validated for the scene.
 landing::BodyPlanOptions plan_options(const landing::BodyScene& scene, std::uint64_t seed, const std::string& objective,
                                       std::optional<long> evaluations, const std::optional<std::string>& robust,
                                       const std::optional<std::string>& scatter, double inflate, long samples,

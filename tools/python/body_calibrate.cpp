@@ -1,4 +1,4 @@
-// Logs of drops of robots of links and the calibration of their floor, for Python.
+// Python bindings of drop logs of robots of links and the calibration of their floor.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using tools::BodyCalibratedDrops, tools::BodyCalibration, tools::BodyCalibration
 
 namespace {
 
-/// A log with what its outputs are.
+/// A log with its output channels.
 struct BodyDropLog {
   DropLog log;
   std::vector<DropChannel> channels;
@@ -75,18 +75,18 @@ void bind_body_log(py::module_& m) {
       py::arg("path"), py::arg("scene"), "The same of a robot of links.");
 }
 
-/// A log with how it was played; what is not said is the scene's.
+/// A log with the played motions; an absent number is the scene's.
 struct PlayedBodyDrop {
   BodyDropLog log;
   JointMotions motions;
   std::optional<double> height, forward_speed;
 
-  BodyLoggedDrop thrown(const BodyScene& scene) const {
+  BodyLoggedDrop logged_drop(const BodyScene& scene) const {
     const std::vector<DropChannel> channels = channels_of(scene);
     if (!std::equal(channels.begin(), channels.end(), log.channels.begin(), log.channels.end(),
                     [](const DropChannel& a, const DropChannel& b) { return a.name == b.name; }))
       throw InputError(log.log.file + ": a drop of another robot");
-    tools::check_thrown(scene.robot, height ? "height" : nullptr, forward_speed ? "forward_speed" : nullptr);
+    tools::check_drop_arguments(scene.robot, height ? "height" : nullptr, forward_speed ? "forward_speed" : nullptr);
     BodyLoggedDrop out{log.log, motions_of(scene, motions), scene.drop};
     out.thrown.height = height.value_or(scene.drop.height);
     out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
@@ -112,17 +112,17 @@ void bind_body_drop(py::module_& m) {
   bind_value(c);
 }
 
-/// A calibration with its drops, and those that were not fitted.
+/// A calibration with its drops, and validation drops that were not fitted.
 struct BodyCalibrated {
   BodyCalibratedDrops fitted;
   std::optional<BodyCalibratedDrops> validation;
-  std::string file;  ///< of the scene; empty: it is not known
+  std::string file;  ///< of the scene; empty: none
   std::uint64_t seed = 1;
 };
 
-std::vector<BodyLoggedDrop> thrown(const std::vector<PlayedBodyDrop>& played, const BodyScene& scene) {
+std::vector<BodyLoggedDrop> logged_drops(const std::vector<PlayedBodyDrop>& played, const BodyScene& scene) {
   std::vector<BodyLoggedDrop> out;
-  for (const PlayedBodyDrop& d : played) out.push_back(d.thrown(scene));
+  for (const PlayedBodyDrop& d : played) out.push_back(d.logged_drop(scene));
   return out;
 }
 
@@ -132,22 +132,22 @@ Law law_of(const std::string& text) {
 }
 
 BodyCalibrated calibrated(const BodyScene& scene, const std::vector<PlayedBodyDrop>& played,
-                          const std::vector<PlayedBodyDrop>& unseen, Law law, BodyCalibrationOptions options) {
+                          const std::vector<PlayedBodyDrop>& held_out, Law law, BodyCalibrationOptions options) {
   if (law == Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
-  BodyCalibrated out{{thrown(played, scene), {}}, {}, {}, options.seed};
-  const std::vector<BodyLoggedDrop> others = thrown(unseen, scene);
+  BodyCalibrated out{{logged_drops(played, scene), {}}, {}, {}, options.seed};
+  const std::vector<BodyLoggedDrop> others = logged_drops(held_out, scene);
   check_drops(scene, out.fitted.drops);
   if (!others.empty()) check_drops(scene, others);
   return long_call([&](const std::function<bool()>& stop) {
     options.monitor.stop = stop;
     BodyCalibration& c = out.fitted.result = tools::calibrate(scene, out.fitted.drops, options);
-    if (law == Law::kAsked) take_asked_law(c, out.fitted.drops, options);
+    if (law == Law::kAsked) adopt_best_law(c, out.fitted.drops, options);
     if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, others, options)};
     return out;
   });
 }
 
-/// A law that was tried, as numbers.
+/// A tried contact law as a dict.
 py::dict dict_of(const TriedLaw& t) {
   py::dict out;
   out["law"] = words(t.law), out["converged"] = t.converged, out["rms"] = t.rms, out["bic"] = t.bic;
@@ -169,7 +169,7 @@ void bind_laws(py::class_<BodyCalibrated>& c) {
           "asked",
           [](const BodyCalibrated& x) {
             const BodyCalibration& found = x.fitted.result;
-            return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.asked].law));
+            return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.best_law].law));
           },
           "The law that the drops support best; None where nothing could be followed.")
       .def_property_readonly(
@@ -219,7 +219,7 @@ void bind_body_calibrate(py::module_& m) {
         const Path* const file = std::get_if<Path>(&given);
         const BodyScene scene = file ? read_body_scene(*file) : std::get<BodyScene>(given);
         BodyCalibrationOptions o;
-        o.terms = choose(tools::drop_choice(scene), free, nuisance, priors, lower, upper);
+        o.terms = chosen_terms(tools::drop_choice(scene), free, nuisance, priors, lower, upper);
         o.accuracy = accuracy, o.seed = seed, o.threads = threads, o.profiles = profile;
         o.errors.assign(errors.begin(), errors.end());
         BodyCalibrated out = calibrated(scene, drops, validate, law_of(law), std::move(o));

@@ -1,4 +1,4 @@
-// Robots of links under two sets of their drives' constants, for Python.
+// Python bindings of comparisons of two sets of drive constants of a robot of links.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -11,7 +11,7 @@ namespace ukemi::python {
 
 using namespace landing;
 using tools::BodyComparison, tools::BodyComparisonOptions, tools::ComparedBodyMotion, tools::ComparedBodyPlan,
-    tools::OfSets;
+    tools::PerSet;
 
 namespace {
 
@@ -20,7 +20,7 @@ struct BodyCompared {
   std::uint64_t seed = 1;
 };
 
-/// A set's best, as far as it was found.
+/// Best motions of a set and their value; None where none was found.
 py::dict best_of(const BodyCompared& c, const std::string& set, const BodyPlan& best) {
   py::dict out;
   out["set"] = set, out["value"] = best.found ? py::cast(best.value) : py::none();
@@ -49,7 +49,7 @@ py::list plans_of_sets(const BodyCompared& c) {
   return out;
 }
 
-/// What a set is, for its page.
+/// Name of a set for the report.
 std::string words_of(const BodyScene& scene) {
   return scene.drive_files.empty() ? scene.name : fmt::format("{}", fmt::join(scene.drive_files, ", "));
 }
@@ -76,7 +76,7 @@ void bind_body_comparison(py::module_& m) {
   bind_report(
       c, tools::kCompareOutputs,
       [](const BodyCompared& x, tools::Run& run) {
-        const OfSets<BodyScene>& scenes = x.comparison.scenes;
+        const PerSet<BodyScene>& scenes = x.comparison.scenes;
         return report(x.comparison, {words_of(scenes[0]), words_of(scenes[1])}, run);
       },
       [](const BodyCompared& x) { return x.seed; });
@@ -91,7 +91,7 @@ void bind_body_compare(py::module_& m) {
       [](const BodyScene& nominal, const BodyScene& identified, std::optional<long> evaluations,
          const std::optional<std::string>& robust, const std::optional<std::string>& scatter, double inflate,
          std::uint64_t seed, int threads) {
-        const OfSets<BodyScene> scenes = {nominal, identified};
+        const PerSet<BodyScene> scenes = {nominal, identified};
         tools::check_sets(scenes);
         if (scatter && !robust) throw InputError("scatter: robust is needed with it");
         BodyComparisonOptions o;

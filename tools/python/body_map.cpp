@@ -1,4 +1,4 @@
-// Robots of links: their motions on a grid, for Python.
+// Python bindings of maps of robots of links.
 #include "landing/plan/body_map.hpp"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ using namespace landing;
 
 namespace {
 
-/// A survey with its seed.
+/// A survey and its seed.
 struct BodyMap {
   BodySurvey survey;
   std::uint64_t seed = 1;
@@ -65,7 +65,7 @@ void bind_body_survey(py::module_& m) {
       [](const BodyMap& x) { return x.seed; });
 }
 
-/// Names, or names with points.
+/// Varied variables by name, or with their numbers of points.
 using Vary = std::variant<std::vector<std::string>, std::map<std::string, double>>;
 std::vector<GridAxis> grid_of(const Vary& vary) {
   std::vector<GridAxis> out;

@@ -1,4 +1,4 @@
-// Plans and risk of robots of links for Python.
+// Python bindings of plans and risk of robots of links.
 #include <fmt/format.h>
 
 #include <map>
@@ -90,7 +90,7 @@ void bind_body_optimum(py::module_& m) {
 
 }  // namespace
 
-BodyScene limited(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
+BodyScene with_limits(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
   forbid(scene, forbidden);
   if (ratings) (void)respect_ratings(scene);
   return scene;
@@ -101,10 +101,10 @@ BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const s
   BodyPlanOptions out;
   out.goal = goal_of(objective), out.evaluations = evaluations;
   if (robust) out.measure = Measure::parse("robust", *robust);
-  out.scatter = asked_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
+  out.scatter = parsed_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
   out.seed = seed, out.threads = threads;
   out.validate();
-  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // refuses what this base has not
+  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // throws for what this base lacks
   return out;
 }
 
@@ -127,11 +127,11 @@ void bind_body_optimize(py::module_& m) {
          std::optional<double> deadline, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
          const std::vector<std::string>& forbidden, bool ratings, std::optional<double> share) {
-        const BodyScene kept = limited(scene, forbidden, ratings);
+        const BodyScene limited = with_limits(scene, forbidden, ratings);
         BodyPlanOptions options =
-            plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
+            plan_options(limited, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
         options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
-        return planned(kept, options);
+        return planned(limited, options);
       },
       py::arg("scene"), py::arg("seed") = 1, py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
       py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
@@ -142,7 +142,7 @@ void bind_body_optimize(py::module_& m) {
       "the scene are kept, with robust in `share` of the drops [1].");
 }
 
-/// A planner that is asked by one thread at a time, whatever Python's do.
+/// A planner that throws if a second thread uses it meanwhile.
 class PythonBodyPlanner {
  public:
   PythonBodyPlanner(const BodyScene& scene, const BodyPlanOptions& options)
@@ -150,7 +150,7 @@ class PythonBodyPlanner {
 
   template <class State>
   BodyAnswer plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(asked_, std::try_to_lock);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("the planner is asked by another thread already");
     const py::gil_scoped_release release;
     return planner_.plan(state, deadline, seed);
@@ -182,10 +182,10 @@ class PythonBodyPlanner {
   const BodyScene scene_;
   const BodyPlanOptions options_;
   BodyPlanner planner_;
-  std::mutex asked_;
+  std::mutex mutex_;
 };
 
-/// An answer with what it is told by.
+/// An answer as a dict.
 py::dict dict_of(const PythonBodyPlanner& p, const BodyAnswer& a) {
   py::dict out;
   out["status"] = name(a.status), out["found"] = a.found(), out["wrong"] = a.wrong;
@@ -201,7 +201,8 @@ void bind_body_planner(py::module_& m) {
       .def(py::init([](const BodyScene& scene, const std::string& objective, const std::vector<std::string>& forbidden,
                        bool ratings, int threads) {
              return std::make_unique<PythonBodyPlanner>(
-                 limited(scene, forbidden, ratings), BodyPlanOptions{.goal = goal_of(objective), .threads = threads});
+                 with_limits(scene, forbidden, ratings),
+                 BodyPlanOptions{.goal = goal_of(objective), .threads = threads});
            }),
            py::arg("scene"), py::arg("objective") = "tolerant", py::arg("forbid") = std::vector<std::string>{},
            py::arg("respect_ratings") = false, py::arg("threads") = 0)
@@ -232,7 +233,7 @@ void bind_body_planner(py::module_& m) {
           "elapsed: the time since release [s], vertical_speed upwards [m/s].");
 }
 
-/// In how many drops each load is beyond its rating.
+/// The loads by name, each with the number and the share of drops in which it exceeds its rating.
 py::dict loads_of_risk(const BodyRiskResult& r) {
   py::dict out = loads_of_scene(r.scene);
   for (const RiskEvent& e : r.risk.events) {
@@ -242,7 +243,7 @@ py::dict loads_of_risk(const BodyRiskResult& r) {
   }
   return out;
 }
-/// The same of the contacts that must not touch.
+/// Share of drops in which each forbidden contact touches, by name.
 std::map<std::string, double> touches_of(const BodyRiskResult& r) {
   std::map<std::string, double> out;
   for (const RiskEvent& e : r.risk.events)
@@ -275,15 +276,15 @@ void bind_body_risk(py::module_& m) {
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
          bool inexact, long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden) {
-        BodyRiskOptions options{.samples = samples, .scatter = asked_scatter(scatter)};
+        BodyRiskOptions options{.samples = samples, .scatter = parsed_scatter(scatter)};
         options.drops = {.inflate = inflation(inflate), .inexact = inexact};
         options.seed = seed, options.threads = threads;
         options.validate();
-        const BodyScene kept = limited(scene, forbidden, false);
+        const BodyScene limited = with_limits(scene, forbidden, false);
         const BodyMotion motion = motions_of(scene, motions);
         return long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
-          BodyRiskResult out{kept, motion, body_risk(kept, motion, options), options};
+          BodyRiskResult out{limited, motion, body_risk(limited, motion, options), options};
           out.options.monitor = {};
           return out;
         });

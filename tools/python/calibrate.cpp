@@ -1,4 +1,4 @@
-// Logs of drops and the calibration of the floor for Python.
+// Python bindings of drop logs and the calibration of the floor.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -46,13 +46,13 @@ DropLog log_of(const Numbers& t, const std::array<std::optional<Numbers>, kOutpu
   return out;
 }
 
-/// A log with how it was played; what is not said is the scene's.
+/// A log with the played motion; an absent number is the scene's.
 struct PlayedDrop {
   DropLog log;
   Motion motion;
   std::optional<double> height, forward_speed;
 
-  LoggedDrop thrown(const Scene& scene) const {
+  LoggedDrop logged_drop(const Scene& scene) const {
     LoggedDrop out{log, motion, scene.drop};
     out.thrown.height = height.value_or(scene.drop.height);
     out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
@@ -102,25 +102,25 @@ void bind_drop(py::module_& m) {
   bind_value(c);
 }
 
-/// A calibration with its drops, and those that were not fitted.
+/// A calibration with its drops, and validation drops that were not fitted.
 struct Calibrated {
   tools::CalibratedDrops fitted;
   std::optional<tools::CalibratedDrops> validation;
   std::uint64_t seed = 1;
 };
 
-std::vector<LoggedDrop> thrown(const std::vector<PlayedDrop>& played, const Scene& scene) {
+std::vector<LoggedDrop> logged_drops(const std::vector<PlayedDrop>& played, const Scene& scene) {
   std::vector<LoggedDrop> out;
-  for (const PlayedDrop& d : played) out.push_back(d.thrown(scene));
+  for (const PlayedDrop& d : played) out.push_back(d.logged_drop(scene));
   return out;
 }
 
 Calibrated calibrated(const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& played,
-                      const std::vector<PlayedDrop>& unseen, tools::CalibrationOptions options) {
+                      const std::vector<PlayedDrop>& held_out, tools::CalibrationOptions options) {
   options.validate();
   require_gains(actuator);
-  Calibrated out{{thrown(played, scene), {}}, {}, options.seed};
-  const std::vector<LoggedDrop> others = thrown(unseen, scene);
+  Calibrated out{{logged_drops(played, scene), {}}, {}, options.seed};
+  const std::vector<LoggedDrop> others = logged_drops(held_out, scene);
   check_drops(scene, out.fitted.drops);
   if (!others.empty()) check_drops(scene, others);
   long_call([&](const std::function<bool()>& stop) {
@@ -180,7 +180,7 @@ void bind_calibrate(py::module_& m) {
          const Priors& priors, const Bounds& lower, const Bounds& upper, double accuracy, std::uint64_t seed,
          const std::vector<PlayedDrop>& validate, const std::vector<std::string>& profile, const Bounds& errors) {
         tools::CalibrationOptions o;
-        o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
+        o.terms = chosen_terms(std::move(o.terms), free, nuisance, priors, lower, upper);
         o.accuracy = accuracy, o.seed = seed, o.profiles = profile;
         o.errors.assign(errors.begin(), errors.end());
         return calibrated(scene, actuator, drops, validate, std::move(o));

@@ -1,4 +1,4 @@
-// Errors, arrays, figures and the actuator for Python.
+// Python bindings of errors, arrays, figures and the actuator.
 #include <fmt/format.h>
 
 #include "common/actuator_constants.hpp"
@@ -21,7 +21,7 @@ std::optional<double> checked(const std::string& what, std::optional<double> val
 }
 
 std::optional<Path> path_of(py::handle given) {
-  PyObject* bytes = nullptr;  // names of files are bytes, whatever they mean
+  PyObject* bytes = nullptr;  // the file system's encoding
   if (PyUnicode_FSConverter(given.ptr(), &bytes) != 0)
     return Path{py::reinterpret_steal<py::bytes>(bytes).cast<std::string>()};
   const bool no_name = PyErr_ExceptionMatches(PyExc_ValueError) != 0;
@@ -57,7 +57,7 @@ std::vector<double> column(const std::string& what, const std::optional<Numbers>
 py::array_t<double> view(const double* first, std::size_t count, std::size_t stride, py::handle owner) {
   if (count == 0) return py::array_t<double>(0);
   py::array_t<double> out({py::ssize_t(count)}, {py::ssize_t(stride)}, first, owner);
-  out.attr("setflags")(false);  // results are told, not changed
+  out.attr("setflags")(false);  // results are read-only
   return out;
 }
 

@@ -1,4 +1,4 @@
-// Two sets of constants side by side, for Python.
+// Python bindings of comparisons of two sets of constants.
 #include <fmt/format.h>
 
 #include "tools/python/search.hpp"
@@ -8,7 +8,7 @@
 
 namespace ukemi::python {
 
-using tools::ComparedMotion, tools::ComparedPlan, tools::Comparison, tools::ConstantDifference, tools::OfSets;
+using tools::ComparedMotion, tools::ComparedPlan, tools::Comparison, tools::ConstantDifference, tools::PerSet;
 
 namespace {
 

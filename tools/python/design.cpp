@@ -1,4 +1,4 @@
-// Which hit to try next, for Python.
+// Python bindings of the design of hits.
 #include <fmt/format.h>
 
 #include "tools/program/arguments.hpp"
@@ -17,7 +17,7 @@ struct DesignResult {
   tools::DesignAnswer answer;
 };
 
-/// Relative 95 % half widths by the constant's name.
+/// Relative 95 % half-widths by the constant's name.
 std::map<std::string, double> widths(const DesignResult& r, const Eigen::VectorXd& of) {
   std::map<std::string, double> out;
   for (Eigen::Index i = 0; i < of.size(); ++i)

@@ -1,6 +1,5 @@
-// The fields of a struct, whichever it is: what equality, copies and pickles of Python are made of. A field that is
-// added to a struct of the libraries is one here without a line; a struct with a base names its own fields in
-// parts.hpp.
+// Reflection of the fields of aggregates, for equality, hash and pickles in Python. A field added to a struct of the
+// libraries is found without a change here; the fields of a struct with a base are listed in parts.hpp.
 #pragma once
 
 #include <type_traits>
@@ -8,7 +7,7 @@
 
 namespace ukemi::python {
 
-/// Stands for any field where they are counted.
+/// Converts to any field type; to count fields.
 struct AnyField {
   template <class T>
   operator T() const;
@@ -17,30 +16,30 @@ template <std::size_t>
 using AnyFieldAt = AnyField;
 
 template <class T, std::size_t... I>
-constexpr bool takes(std::index_sequence<I...>) {
+constexpr bool is_initializable(std::index_sequence<I...>) {
   return requires { T{AnyFieldAt<I>{}...}; };
 }
-/// How many fields an aggregate has, its bases counted as one each; at most 32.
+/// Number of fields of an aggregate, at most 32; each base counts as one.
 template <class T, std::size_t N = 32>
 constexpr std::size_t field_count() {
-  static_assert(std::is_aggregate_v<T>, "not a struct of fields: see Carry of archive.hpp");
+  static_assert(std::is_aggregate_v<T>, "not a struct of fields: see Serializer of archive.hpp");
   if constexpr (N == 0)
     return 0;
-  else if constexpr (takes<T>(std::make_index_sequence<N>()))
+  else if constexpr (is_initializable<T>(std::make_index_sequence<N>()))
     return N;
   else
     return field_count<T, N - 1>();
 }
 
-/// f(field) of every field of a struct without a base, in their order.
+/// Calls f(field) for every field of a struct without a base, in order.
 template <class T, class F>
 void for_each_field(T& x, F&& f) {
   constexpr std::size_t n = field_count<std::remove_const_t<T>>();
-  [[maybe_unused]] const auto all = [&f](auto&... field) { (f(field), ...); };
-#define UKEMI_FIELDS(N, ...) \
-  if constexpr (n == N) {    \
-    auto& [__VA_ARGS__] = x; \
-    return all(__VA_ARGS__); \
+  [[maybe_unused]] const auto visit = [&f](auto&... field) { (f(field), ...); };
+#define UKEMI_FIELDS(N, ...)   \
+  if constexpr (n == N) {      \
+    auto& [__VA_ARGS__] = x;   \
+    return visit(__VA_ARGS__); \
   }
   UKEMI_FIELDS(1, a)
   UKEMI_FIELDS(2, a, b)

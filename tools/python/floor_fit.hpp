@@ -1,4 +1,4 @@
-// What logs of drops and the fits to them have in common, whatever falls.
+// Shared by the bindings of drop logs and fits to them, for both kinds of robot.
 #pragma once
 
 #include "tools/python/value.hpp"
@@ -6,13 +6,13 @@
 
 namespace ukemi::python {
 
-/// Times of a log from the release on. Throws InputError at `name`.
+/// Times of a log from release [s]. Throws InputError, which names the log `name`.
 std::vector<double> drop_times(const Numbers& t, const std::string& name);
-/// What was measured, NaN where it was not; empty where there is nothing. Throws InputError at `name`.
+/// A measured output, NaN where it was not measured; empty without values. Throws InputError, which names `name`.
 std::vector<double> drop_output(const std::string& output, const std::optional<Numbers>& values, std::size_t rows,
                                 const std::string& name);
 
-/// What a fit of drops says beside its terms; `of` is the fit of a result.
+/// Binds a fit of drops except its estimates; of(result): the fit.
 template <class T, class... Options>
 void bind_floor_fit(py::class_<T, Options...>& c, const tools::FloorFit& (*of)(const T&)) {
   c.def_property_readonly(

@@ -1,4 +1,4 @@
-// Fits and predictions for Python.
+// Python bindings of fits and predictions.
 #include <fmt/format.h>
 
 #include "tools/python/trials.hpp"
@@ -13,16 +13,16 @@ namespace {
 
 using tools::IdentifyQuestion;
 
-/// An answer with what was asked, for figures and the actuator.
+/// A fit or a prediction with its inputs.
 struct Identified {
   IdentifyQuestion question;
   Identification found;
   std::optional<Judgement> judgement = {};          ///< of a prediction
-  std::optional<tools::LandingOfFit> landing = {};  ///< of a fit, where it was asked for
+  std::optional<tools::LandingOfFit> landing = {};  ///< of a fit, if requested
 };
 
-/// The landing that a fit is for.
-struct AskedLanding {
+/// The landing for which the effect of the fit's errors is wanted.
+struct LandingArguments {
   std::optional<landing::Scene> scene;
   std::optional<landing::Motion> motion;
 };
@@ -42,7 +42,7 @@ Figure trial_figure(const Identified& i, std::size_t trial) {
 
 Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, const std::optional<Actuator>& start,
                            const FitOptions& options, const TrustOptions& trust, std::optional<double> force_noise,
-                           const AskedLanding& landing) {
+                           const LandingArguments& landing) {
   if (landing.scene.has_value() != landing.motion.has_value())
     throw InputError("scene, motion: both are needed for a landing of the fit, or none");
   Identified out{{.rig = rig, .trials = prepared(trials, rig, force_noise), .options = options, .given = start}, {}};
@@ -68,7 +68,7 @@ Identified identify_trials(const std::vector<Trial>& trials, const Rig& rig, con
   return out;
 }
 
-/// None: at the reference; a number [rad]; "fit".
+/// start_angle: None (at the reference), a number [rad], or "fit".
 InitialState initial_state(const py::object& start_angle) {
   using Kind = InitialState::Kind;
   if (start_angle.is_none()) return {};
@@ -207,7 +207,7 @@ void bind_identify(py::module_& m) {
          const std::vector<std::string>& profile, std::uint64_t seed, int threads,
          const std::optional<landing::Scene>& scene, const std::optional<landing::Motion>& motion) {
         FitOptions o;
-        o.terms = choose(std::move(o.terms), free, nuisance, priors, lower, upper);
+        o.terms = chosen_terms(std::move(o.terms), free, nuisance, priors, lower, upper);
         if (multi_turn) o.escape = Term::kInfinity;
         o.huber = huber, o.accuracy = accuracy, o.explore = starts, o.seed = seed, o.threads = threads;
         if (trial_weights) o.weights = FitOptions::Weights::kTrial;

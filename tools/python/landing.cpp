@@ -1,4 +1,4 @@
-// One landing for Python.
+// Python bindings of landings.
 #include "tools/python/landing.hpp"
 
 #include <fmt/format.h>
@@ -123,7 +123,7 @@ void bind_landing_class(py::module_& m) {
   bind_report(
       c, tools::kSimulateOutputs,
       [](const Played& p, tools::Run& run) {
-        return report(p.checked, p.actuator, held_beside(p.checked, p.actuator.sea, p.rate), {}, run);
+        return report(p.checked, p.actuator, held_landing(p.checked, p.actuator.sea, p.rate), {}, run);
       },
       [](const Played&) { return 1; });
 }

@@ -1,4 +1,4 @@
-// What the bindings of landings share.
+// Shared by the bindings of landings.
 #pragma once
 
 #include "landing/judge/checked.hpp"
@@ -8,32 +8,32 @@
 
 namespace ukemi::python {
 
-/// What a dropped() is given; what is absent stays.
+/// Changes of a drop; absent: unchanged.
 struct DropNumbers {
   std::optional<double> height, forward_speed, pitch, pitch_rate;  ///< [m], [m/s], [rad], [rad/s]
 };
-/// Throws InputError for a number that cannot be.
+/// The drop with these changes. Throws InputError for a number out of range.
 landing::Drop dropped(landing::Drop drop, const DropNumbers& numbers);
 
-/// A motion that a search found.
+/// A motion found by a search, with its goal.
 struct PlannedMotion : landing::Motion {
-  std::string goal;  ///< that was minimised
-  double value = 0;  ///< [m/s^2]
+  std::string goal;  ///< name of what was minimised
+  double value = 0;  ///< of the goal [m/s^2]
 };
 /// "tolerant peak 190.5 m/s^2".
 std::string minimised(const std::string& goal, double value);
 
-/// A landing with what was asked for, for its report.
+/// A landing with its inputs, for the report.
 struct Played {
-  landing::CheckedLanding checked;  ///< its sensitivity where it was looked at
+  landing::CheckedLanding checked;  ///< with its sensitivity, if checked
   Actuator actuator;
-  double rate = 0;  ///< rows of the trajectory a second [Hz]
+  double rate = 0;  ///< rows of the trajectory per second [Hz]
 };
-/// |ddr_0| over time of landings by their names.
+/// |ddr_0| over time of named landings.
 Figure figure(const std::vector<std::pair<std::string, const landing::Landing*>>& landings);
-/// Forbidden points by their names.
+/// A flag for each point, set for the named ones.
 std::array<bool, landing::kPoints> points_of(const std::vector<std::string>& names);
-/// A goal by its name: peak, tolerant.
+/// The goal of a name: peak, tolerant.
 landing::Goal goal_of(const std::string& text);
 
 /// A contact with the name of its point.
@@ -42,7 +42,7 @@ struct NamedTouch : landing::Touch {
 };
 std::vector<NamedTouch> named(const std::vector<landing::Touch>& touches, const tools::PointName& name);
 
-/// What every end of a run tells; `of` is the run of a result.
+/// Binds peak, end and failure of a run; of(result): the run.
 template <class T, class... Options>
 void bind_run_end(py::class_<T, Options...>& c, const landing::RunEnd& (*of)(const T&), const char* point) {
   using landing::RunEnd;
@@ -59,7 +59,7 @@ void bind_run_end(py::class_<T, Options...>& c, const landing::RunEnd& (*of)(con
           },
           "Why there is no landing; empty where there is one.");
 }
-/// How far a peak can be relied on, where it was looked at.
+/// Binds the peak's error estimate and sensitivity, if checked; of(result): the sensitivity.
 template <class T, class... Options>
 void bind_sensitivity(py::class_<T, Options...>& c, const landing::Sensitivity& (*of)(const T&)) {
   c.def_property_readonly(
@@ -72,8 +72,9 @@ void bind_sensitivity(py::class_<T, Options...>& c, const landing::Sensitivity& 
 }
 
 template <>
-struct Carry<PlannedMotion> : OnBase<PlannedMotion, landing::Motion, &PlannedMotion::goal, &PlannedMotion::value> {};
+struct Serializer<PlannedMotion>
+    : WithBase<PlannedMotion, landing::Motion, &PlannedMotion::goal, &PlannedMotion::value> {};
 template <>
-struct Carry<NamedTouch> : OnBase<NamedTouch, landing::Touch, &NamedTouch::name> {};
+struct Serializer<NamedTouch> : WithBase<NamedTouch, landing::Touch, &NamedTouch::name> {};
 
 }  // namespace ukemi::python

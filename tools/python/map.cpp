@@ -1,4 +1,4 @@
-// The box of motions on a grid and the motor's ratings, for Python.
+// Python bindings of maps and of motor ratings.
 #include <fmt/format.h>
 
 #include "landing/judge/speed.hpp"
@@ -38,22 +38,22 @@ py::dict axes_of(const PeakMap& map) {
 }
 
 Figure figure(const PeakMap& map, int x, int y) {
-  const std::vector<int> over = varied(map);
-  const int n = int(over.size());
+  const std::vector<int> axes = varied(map);
+  const int n = int(axes.size());
   if (n == 1) {
-    const tools::Heatmap line = tools::projection(map, over[0], over[0]);
+    const tools::Heatmap line = tools::projection(map, axes[0], axes[0]);
     tools::Series peaks{"", line.x, {}};
     for (const PeakMap::Cell& c : map.grid) peaks.y.push_back(c.peak);
     return {tools::lines_svg(line.x_label, "peak [m/s^2]", {peaks})};
   }
   if (x < 0 || y < 0 || x >= n || y >= n || x == y)
     throw InputError(fmt::format("x, y: {}, {}: two of the axes 0 to {} are needed", x, y, n - 1));
-  return {tools::Report("").heatmap(tools::projection(map, over[std::size_t(x)], over[std::size_t(y)]))};
+  return {tools::Report("").heatmap(tools::projection(map, axes[std::size_t(x)], axes[std::size_t(y)]))};
 }
 
 namespace {
 
-/// A survey with its seed.
+/// A survey and its seed.
 struct SurveyResult {
   Survey survey;
   std::uint64_t seed = 1;
@@ -108,7 +108,7 @@ void bind_map_call(py::module_& m) {
       "more, those.");
 }
 
-/// The rated plans with what was asked.
+/// The rated plans and their inputs.
 struct RatingsResult {
   Scene scene;
   std::vector<RatedPlan> plans;

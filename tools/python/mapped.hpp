@@ -1,4 +1,4 @@
-// What every map of motions tells, whatever falls.
+// Shared by the bindings of maps, for both kinds of robot.
 #pragma once
 
 #include "landing/judge/survey.hpp"
@@ -6,13 +6,13 @@
 
 namespace ukemi::python {
 
-/// The variables that have a grid.
+/// Indices of the varied variables.
 std::vector<int> varied(const landing::PeakMap& map);
-/// The peaks, an axis for each of them; `owner` keeps them alive.
+/// View of the peaks with an axis for each varied variable; `owner` keeps them alive.
 py::array_t<double> peaks_view(const landing::PeakMap& map, py::handle owner);
-/// The grid's values along each of them by its name.
+/// The grid's values of each varied variable by name.
 py::dict axes_of(const landing::PeakMap& map);
-/// The smallest peak over two of them.
+/// The smallest peak over varied variables number x and y.
 Figure figure(const landing::PeakMap& map, int x, int y);
 
 template <class T, class... Options>

@@ -1,4 +1,4 @@
-// The Python module `ukemi`: the functions of the libraries under the names of the program's verbs.
+// The Python module `ukemi`: functions named like the program's verbs.
 #include "tools/python/bind.hpp"
 
 namespace ukemi::python {

@@ -1,4 +1,4 @@
-// The best motion for Python.
+// Python bindings of the search for the best motion.
 #include <fmt/format.h>
 
 #include "landing/judge/answer.hpp"
@@ -20,7 +20,7 @@ std::map<std::string, std::string> edges_of(const std::vector<Variable>& variabl
 
 RobustOptions robust_of(const std::optional<std::string>& measure, const std::optional<std::string>& scatter,
                         double inflate, long samples) {
-  RobustOptions out{.scatter = asked_scatter(scatter), .inflate = inflation(inflate)};
+  RobustOptions out{.scatter = parsed_scatter(scatter), .inflate = inflation(inflate)};
   if (measure) out.measure = Measure::parse("robust", *measure);
   out.samples = checked_samples(samples);
   return out;
@@ -28,7 +28,7 @@ RobustOptions robust_of(const std::optional<std::string>& measure, const std::op
 
 namespace {
 
-struct Asked {
+struct OptimizeArguments {
   std::string objective, solver;
   std::optional<long> evaluations;
   std::optional<double> deadline;
@@ -42,7 +42,7 @@ struct Asked {
   int threads;
   std::optional<Path> drops;
 };
-AnswerOptions options_of(const Asked& a, const Actuator& actuator) {
+AnswerOptions options_of(const OptimizeArguments& a, const Actuator& actuator) {
   require_gains(actuator);
   AnswerOptions out;
   OptimizeOptions& o = out.search;
@@ -56,9 +56,9 @@ AnswerOptions options_of(const Asked& a, const Actuator& actuator) {
   return out;
 }
 
-Answer optimized(const Scene& scene, const Actuator& actuator, const Asked& asked) {
-  AnswerOptions options = options_of(asked, actuator);
-  options.robust.drops = measured_drops(asked.drops, scene, actuator, asked.scatter, asked.inflate);
+Answer optimized(const Scene& scene, const Actuator& actuator, const OptimizeArguments& arguments) {
+  AnswerOptions options = options_of(arguments, actuator);
+  options.robust.drops = measured_drops(arguments.drops, scene, actuator, arguments.scatter, arguments.inflate);
   return long_call([&](const std::function<bool()>& stop) {
     options.search.monitor.stop = options.evidence_monitor.stop = stop;
     Answer out = answer(scene, actuator, options);
@@ -67,7 +67,7 @@ Answer optimized(const Scene& scene, const Actuator& actuator, const Asked& aske
   });
 }
 
-/// One of its landings, as `simulate` would have it but for how far it can be relied on.
+/// A landing of the answer, as `simulate` returns it but without a check of its sensitivity.
 Played played(const Answer& a, const Motion& motion, const Landing& landing) {
   Played out{.checked = {.scene = a.scene, .motion = motion, .accuracy = a.options.search.accuracy},
              .actuator = a.actuator};
@@ -88,8 +88,8 @@ void bind_landings(py::class_<Answer>& c) {
           "The landing of the held reference, or None where none is known.");
 }
 
-/// What the motion is worth, and what a posture that is held is.
-void bind_worth(py::class_<Answer>& c) {
+/// Binds the values of the motion and of the held posture.
+void bind_values(py::class_<Answer>& c) {
   c.def_property_readonly("peak", &Answer::peak, "Its largest |ddr_0| [m/s^2].")
       .def_property_readonly(
           "tolerant_peak",
@@ -138,7 +138,7 @@ void bind_answer(py::module_& m) {
           "The best motion, with what it minimised.")
       .def_property_readonly(
           "goal", [](const Answer& a) { return tools::goal_words(a.options); }, "What was minimised.");
-  bind_worth(c), bind_search(c);
+  bind_values(c), bind_search(c);
   c.def("__repr__", [](const Answer& a) {
     if (!a.best.found) return "<ukemi.Optimum: " + a.best.message + ">";
     return fmt::format("<ukemi.Optimum: {}; {}>", tools::motion_words(a.best.motion),

@@ -1,4 +1,4 @@
-// Structs of the libraries that stand on a base, or are no plain structs, as archive.hpp takes them.
+// Serialisation (archive.hpp) of structs that have a base or are no aggregates.
 #pragma once
 
 #include <set>
@@ -16,162 +16,165 @@
 
 namespace ukemi::python {
 
-/// The base, then the struct's own fields; one that is not named here does not compile.
+/// The base, then the struct's own fields kFields; a missing field is a compile error.
 template <class T, class Base, auto... kFields>
-struct OnBase {
+struct WithBase {
   static_assert(field_count<T>() == 1 + sizeof...(kFields), "a field of it is not named");
   template <class A, class X>
-  static void go(A& a, X& x) {
-    if constexpr (A::kReads)
-      carry(a, static_cast<Base&>(x));
+  static void apply(A& a, X& x) {
+    if constexpr (A::kReading)
+      serialize(a, static_cast<Base&>(x));
     else
-      carry(a, static_cast<const Base&>(x));
-    (carry(a, x.*kFields), ...);
+      serialize(a, static_cast<const Base&>(x));
+    (serialize(a, x.*kFields), ...);
   }
 };
-/// All fields; those that say how long something took are not compared.
+/// All fields; the run times kTimes are not compared.
 template <class T, auto... kTimes>
-struct ButTimes {
+struct ExceptTimes {
   template <class A, class X>
-  static void go(A& a, X& x) {
+  static void apply(A& a, X& x) {
     for_each_field(x, [&](auto& field) {
-      const auto is = [&field](const double& time) { return static_cast<const void*>(&time) == &field; };
-      if (!a.compares() || !(is(x.*kTimes) || ...)) carry(a, field);
+      const auto is_time = [&field](const double& time) { return static_cast<const void*>(&time) == &field; };
+      if (!a.compares() || !(is_time(x.*kTimes) || ...)) serialize(a, field);
     });
   }
 };
 template <>
-struct Carry<landing::Progress> : ButTimes<landing::Progress, &landing::Progress::seconds> {};
+struct Serializer<landing::Progress> : ExceptTimes<landing::Progress, &landing::Progress::seconds> {};
 template <>
-struct Carry<landing::Optimum> : ButTimes<landing::Optimum, &landing::Optimum::seconds> {};
+struct Serializer<landing::Optimum> : ExceptTimes<landing::Optimum, &landing::Optimum::seconds> {};
 template <>
-struct Carry<landing::Answer> : ButTimes<landing::Answer, &landing::Answer::evidence_seconds> {};
+struct Serializer<landing::Answer> : ExceptTimes<landing::Answer, &landing::Answer::evidence_seconds> {};
 template <>
-struct Carry<landing::BodyProgress> : ButTimes<landing::BodyProgress, &landing::BodyProgress::seconds> {};
+struct Serializer<landing::BodyProgress> : ExceptTimes<landing::BodyProgress, &landing::BodyProgress::seconds> {};
 template <>
-struct Carry<landing::BodyPlan> : ButTimes<landing::BodyPlan, &landing::BodyPlan::seconds> {};
+struct Serializer<landing::BodyPlan> : ExceptTimes<landing::BodyPlan, &landing::BodyPlan::seconds> {};
 template <>
-struct Carry<landing::MappedPeaks> : ButTimes<landing::MappedPeaks, &landing::MappedPeaks::map_seconds> {};
+struct Serializer<landing::MappedPeaks> : ExceptTimes<landing::MappedPeaks, &landing::MappedPeaks::map_seconds> {};
 using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::LandingPeak, landing::PeakRisk, landing::Risk,
     landing::RunEnd;
 template <>
-struct Carry<LandingPeak> : OnBase<LandingPeak, RunEnd, &LandingPeak::contacts, &LandingPeak::peak_contact,
-                                   &LandingPeak::joint_lost, &LandingPeak::state> {};
+struct Serializer<LandingPeak> : WithBase<LandingPeak, RunEnd, &LandingPeak::contacts, &LandingPeak::peak_contact,
+                                          &LandingPeak::joint_lost, &LandingPeak::state> {};
 template <>
-struct Carry<Landing> : OnBase<Landing, LandingPeak, &Landing::touches, &Landing::peaks, &Landing::trajectory,
-                               &Landing::demands, &Landing::energy_residual> {};
+struct Serializer<Landing> : WithBase<Landing, LandingPeak, &Landing::touches, &Landing::peaks, &Landing::trajectory,
+                                      &Landing::demands, &Landing::energy_residual> {};
 template <>
-struct Carry<BodyLanding>
-    : OnBase<BodyLanding, RunEnd, &BodyLanding::first_touchdown, &BodyLanding::first_contact, &BodyLanding::broken,
-             &BodyLanding::loads, &BodyLanding::touches, &BodyLanding::peaks, &BodyLanding::demands,
-             &BodyLanding::trajectory, &BodyLanding::energy_residual, &BodyLanding::base, &BodyLanding::speed> {};
+struct Serializer<BodyLanding>
+    : WithBase<BodyLanding, RunEnd, &BodyLanding::first_touchdown, &BodyLanding::first_contact, &BodyLanding::broken,
+               &BodyLanding::loads, &BodyLanding::touches, &BodyLanding::peaks, &BodyLanding::demands,
+               &BodyLanding::trajectory, &BodyLanding::energy_residual, &BodyLanding::base, &BodyLanding::speed> {};
 template <>
-struct Carry<Risk> : OnBase<Risk, PeakRisk, &Risk::worst> {};
+struct Serializer<Risk> : WithBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
-struct Carry<BodyRisk> : OnBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::broken> {};
+struct Serializer<BodyRisk> : WithBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::broken> {
+};
 template <>
-struct Carry<landing::Survey>
-    : OnBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};
+struct Serializer<landing::Survey>
+    : WithBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};
 template <>
-struct Carry<landing::BodySurvey> : OnBase<landing::BodySurvey, landing::MappedPeaks, &landing::BodySurvey::scene,
-                                           &landing::BodySurvey::minima, &landing::BodySurvey::basins> {};
+struct Serializer<landing::BodySurvey>
+    : WithBase<landing::BodySurvey, landing::MappedPeaks, &landing::BodySurvey::scene, &landing::BodySurvey::minima,
+               &landing::BodySurvey::basins> {};
 using identify::Estimates, identify::Fit, tools::Calibration;
 template <>
-struct Carry<Fit> : OnBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
-                           &Fit::flawed_logs, &Fit::interrupted, &Fit::minima, &Fit::trials, &Fit::sensitivity> {};
+struct Serializer<Fit> : WithBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
+                                  &Fit::flawed_logs, &Fit::interrupted, &Fit::minima, &Fit::trials, &Fit::sensitivity> {
+};
 using tools::FloorFit;
 template <>
-struct Carry<FloorFit>
-    : OnBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
-             &FloorFit::rms, &FloorFit::drops, &FloorFit::promises, &FloorFit::profiles, &FloorFit::steps> {};
+struct Serializer<FloorFit>
+    : WithBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
+               &FloorFit::rms, &FloorFit::drops, &FloorFit::bands, &FloorFit::profiles, &FloorFit::steps> {};
 template <>
-struct Carry<Calibration> : OnBase<Calibration, FloorFit, &Calibration::scene> {};
+struct Serializer<Calibration> : WithBase<Calibration, FloorFit, &Calibration::scene> {};
 template <>
-struct Carry<tools::BodyCalibration>
-    : OnBase<tools::BodyCalibration, FloorFit, &tools::BodyCalibration::scene, &tools::BodyCalibration::laws,
-             &tools::BodyCalibration::asked, &tools::BodyCalibration::own> {};
+struct Serializer<tools::BodyCalibration>
+    : WithBase<tools::BodyCalibration, FloorFit, &tools::BodyCalibration::scene, &tools::BodyCalibration::laws,
+               &tools::BodyCalibration::best_law, &tools::BodyCalibration::scene_law> {};
 template <>
-struct Carry<tools::RobotFit> : OnBase<tools::RobotFit, FloorFit, &tools::RobotFit::robot> {};
+struct Serializer<tools::RobotFit> : WithBase<tools::RobotFit, FloorFit, &tools::RobotFit::robot> {};
 
-/// What is fitted of a table; the table itself is the program's.
+/// Which terms of a table are fitted; the table itself is constant.
 template <class T>
-struct Carry<identify::Terms<T>> {
+struct Serializer<identify::Terms<T>> {
   template <class A, class X>
-  static void go(A& a, X& x) {
-    if constexpr (A::kReads) {
+  static void apply(A& a, X& x) {
+    if constexpr (A::kReading) {
       if constexpr (std::is_same_v<T, identify::RigTerm>)
         x = identify::rig_choice();
       else
         x = tools::drop_choice();
-      carry(a, static_cast<identify::Choice&>(x));
+      serialize(a, static_cast<identify::Choice&>(x));
     } else {
-      carry(a, static_cast<const identify::Choice&>(x));
+      serialize(a, static_cast<const identify::Choice&>(x));
     }
   }
 };
-/// A term: its numbers and words, and what the table says of its name beside.
+/// A term: its Term fields; the others come from the table, by its name.
 template <>
-struct Carry<identify::RigTerm> {
+struct Serializer<identify::RigTerm> {
   template <class A, class X>
-  static void go(A& a, X& x) {
-    if constexpr (A::kReads) {
+  static void apply(A& a, X& x) {
+    if constexpr (A::kReading) {
       identify::Term plain;
-      carry(a, plain);
+      serialize(a, plain);
       for (const identify::RigTerm& t : identify::rig_terms())
         if (t.name == plain.name) x = t;
       static_cast<identify::Term&>(x) = std::move(plain);
     } else {
-      carry(a, static_cast<const identify::Term&>(x));
+      serialize(a, static_cast<const identify::Term&>(x));
     }
   }
 };
-/// Words of the libraries, which live for ever; so do those that are read.
+/// String literals of the libraries; those that are read are kept for the life of the process.
 template <>
-struct Carry<const char*> {
+struct Serializer<const char*> {
   template <class A, class X>
-  static void go(A& a, X& x) {
+  static void apply(A& a, X& x) {
     std::string text = x ? x : "";
-    carry(a, text);
-    if constexpr (A::kReads) {
-      static std::set<std::string> kept;
-      x = kept.insert(text).first->c_str();
+    serialize(a, text);
+    if constexpr (A::kReading) {
+      static std::set<std::string> literals;
+      x = literals.insert(text).first->c_str();
     }
   }
 };
 template <>
-struct Carry<landing::MotionValues> {
+struct Serializer<landing::MotionValues> {
   template <class A, class X>
-  static void go(A& a, X& x) {
+  static void apply(A& a, X& x) {
     landing::Coordinates values = x;
-    carry(a, values);
-    if constexpr (A::kReads) x = values;
+    serialize(a, values);
+    if constexpr (A::kReading) x = values;
   }
 };
-/// Compared by what it tells, for its bytes have gaps.
+/// Compared by its accessors, as its bytes have padding.
 template <>
-struct Carry<landing::ContactOrder> {
+struct Serializer<landing::ContactOrder> {
   template <class A, class X>
-  static void go(A& a, X& x) {
+  static void apply(A& a, X& x) {
     static_assert(std::is_trivially_copyable_v<landing::ContactOrder>);
     if (!a.compares()) {
       std::array<char, sizeof x> bytes;
-      if constexpr (!A::kReads) std::memcpy(bytes.data(), &x, sizeof x);
-      carry(a, bytes);
-      if constexpr (A::kReads) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
+      if constexpr (!A::kReading) std::memcpy(bytes.data(), &x, sizeof x);
+      serialize(a, bytes);
+      if constexpr (A::kReading) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
       return;
     }
-    if constexpr (!A::kReads) {
+    if constexpr (!A::kReading) {
       a.number(x.size()), a.number(x.first());
       for (int i = 0; i < x.size(); ++i) a.number(x[i]);
       for (const landing::Point p : {landing::kHip, landing::kKnee, landing::kFoot}) a.number(x.touched(p));
     }
   }
 };
-/// The drops of a search under scatter are drawn again by whoever searches again: no part of what it found.
+/// The drops of a search under scatter are not serialised: a search draws them anew.
 template <>
-struct Carry<std::shared_ptr<const landing::Robust>> {
+struct Serializer<std::shared_ptr<const landing::Robust>> {
   template <class A, class X>
-  static void go(A&, X&) {}
+  static void apply(A&, X&) {}
 };
 
 }  // namespace ukemi::python

@@ -1,4 +1,4 @@
-// The planner of a control program for Python.
+// Python bindings of the planner of a control program.
 #include <fmt/format.h>
 
 #include <mutex>
@@ -13,13 +13,13 @@ using namespace landing;
 
 namespace {
 
-/// A plan with the name of what was minimised.
+/// A plan with the name of its goal.
 struct NamedPlan {
   Plan plan;
   std::string goal;
 };
 
-/// A planner that is asked by one thread at a time, whatever Python's do.
+/// A planner that throws if a second thread uses it meanwhile.
 class PythonPlanner {
  public:
   PythonPlanner(const Scene& scene, const Actuator& actuator, const Planner::Options& options)
@@ -29,7 +29,7 @@ class PythonPlanner {
 
   template <class State>
   NamedPlan plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(asked_, std::try_to_lock);
+    const std::unique_lock lock(mutex_, std::try_to_lock);
     if (!lock) throw std::runtime_error("the planner is asked by another thread already");
     const py::gil_scoped_release release;
     return {planner_.plan(state, deadline, seed), goal_};
@@ -38,7 +38,7 @@ class PythonPlanner {
  private:
   Planner planner_;
   std::string goal_;
-  std::mutex asked_;
+  std::mutex mutex_;
 };
 
 Planner::Options planner_options(const Scene& scene, const Actuator& actuator, const std::string& objective,
@@ -51,7 +51,7 @@ Planner::Options planner_options(const Scene& scene, const Actuator& actuator, c
   if (robust) {
     out.goal = Goal::kRobust;
     out.under_scatter.measure = Measure::parse("robust", *robust);
-    out.under_scatter.scatter = scatter_for(asked_scatter(scatter), scene);
+    out.under_scatter.scatter = scatter_for(parsed_scatter(scatter), scene);
   }
   return out;
 }

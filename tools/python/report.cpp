@@ -1,4 +1,4 @@
-// Reports for Python: what the program writes for a result, by the code that writes it there.
+// Python bindings of reports: the program's own report of a result.
 #include "common/text.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/python/value.hpp"

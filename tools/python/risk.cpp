@@ -1,4 +1,4 @@
-// Peaks over drops that scatter, for Python.
+// Python bindings of risk: peaks over drops that scatter.
 #include <fmt/format.h>
 
 #include "landing/scatter/drop_file.hpp"
@@ -13,7 +13,7 @@ using namespace landing;
 
 namespace {
 
-/// A study with the seed that drew its drops.
+/// A study and the seed of its drops.
 struct RiskResult {
   tools::RiskStudy study;
   std::uint64_t seed = 1;
@@ -49,7 +49,7 @@ std::vector<ScatteredDrop> measured_drops(const std::optional<Path>& file, const
   if (!file) return {};
   if (scatter || inflate != 1)
     throw InputError(std::string(scatter ? "scatter" : "inflate") +
-                     ": beside drops it has no say: the drops come as they were measured");
+                     ": beside drops it has no effect: the drops come as they were measured");
   return read_drops(*file, scene, actuator.sea);
 }
 
@@ -76,8 +76,8 @@ void bind_risk(py::module_& m) {
         tools::RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
         study.scattering = {.inflate = inflation(inflate), .inexact = inexact};
         options.measured = measured_drops(drops, scene, actuator, scatter, inflate);
-        if (drops && inexact) throw InputError("inexact: beside drops it has no say");
-        if (!drops) study.scatter = scatter_for(asked_scatter(scatter), scene);
+        if (drops && inexact) throw InputError("inexact: beside drops it has no effect");
+        if (!drops) study.scatter = scatter_for(parsed_scatter(scatter), scene);
         study.assumed = !drops && !scatter && !scene.scatter;
         const DropModel model(scene, study.scatter.value_or(Scatter{}), actuator, study.scattering);
         study.risk = long_call([&](const std::function<bool()>& stop) {

@@ -1,4 +1,4 @@
-// Which commands to log next of a robot of links, for Python.
+// Python bindings of the design of trials of robots of links.
 #include "tools/study/robot_design.hpp"
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@ namespace ukemi::python {
 
 namespace {
 
-using tools::DrivenRobot, tools::NextTrial, tools::RobotDesign, tools::RobotTrial;
+using tools::DrivenRobot, tools::CandidateTrial, tools::RobotDesign, tools::RobotTrial;
 
 std::map<std::string, double> widths(const RobotDesign& d, const Eigen::VectorXd& of) {
   std::map<std::string, double> out;
@@ -19,13 +19,13 @@ std::map<std::string, double> widths(const RobotDesign& d, const Eigen::VectorXd
 }
 
 void bind_next_trial(py::module_& m) {
-  py::class_<NextTrial> c(m, "NextTrial", "Commands that could be logged next, beside what is in hand.");
-  c.def_readonly("file", &NextTrial::file, "Of the commands.")
-      .def_readonly("followed", &NextTrial::followed, "Whether the robot can be simulated under them.")
-      .def_readonly("rank", &NextTrial::rank, "1: the best to log next; 0: not chosen.")
-      .def_readonly("alone", &NextTrial::alone, "The criterion with what is in hand and this one [1].")
-      .def_readonly("together", &NextTrial::together, "Of a chosen one: with all those of lower rank [1].")
-      .def("__repr__", [](const NextTrial& t) {
+  py::class_<CandidateTrial> c(m, "NextTrial", "Commands that could be logged next, beside what is in hand.");
+  c.def_readonly("file", &CandidateTrial::file, "Of the commands.")
+      .def_readonly("followed", &CandidateTrial::followed, "Whether the robot can be simulated under them.")
+      .def_readonly("rank", &CandidateTrial::rank, "1: the best to log next; 0: not chosen.")
+      .def_readonly("alone", &CandidateTrial::alone, "The criterion with what is in hand and this one [1].")
+      .def_readonly("together", &CandidateTrial::together, "Of a chosen one: with all those of lower rank [1].")
+      .def("__repr__", [](const CandidateTrial& t) {
         return fmt::format("<ukemi.NextTrial {}, {}>", t.file,
                            t.rank > 0 ? fmt::format("rank {}", t.rank) : "not chosen");
       });
@@ -68,7 +68,7 @@ void bind_robot_design(py::module_& m) {
             .criterion = tools::choice("criterion", criterion, tools::criteria()), .trials = count, .noise = noise};
         o.fit.terms = tools::design_terms(robot, trials, next, noise);
         const std::vector<std::string> starts = o.fit.terms.nuisance;
-        o.fit.terms = choose(std::move(o.fit.terms), free, starts, {}, {}, {});
+        o.fit.terms = chosen_terms(std::move(o.fit.terms), free, starts, {}, {}, {});
         o.fit.threads = threads;
         const py::gil_scoped_release release;
         return tools::design_trials(robot, trials, next, o);

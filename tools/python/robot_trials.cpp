@@ -1,4 +1,4 @@
-// Trials of robots of links for Python.
+// Python bindings of trials of robots of links.
 #include "tools/study/robot_trials.hpp"
 
 #include <fmt/format.h>
@@ -17,13 +17,13 @@ namespace {
 
 using tools::DrivenRobot, tools::RobotFit, tools::RobotFitOptions, tools::RobotLogOptions, tools::RobotTrial;
 
-/// A fit or a prediction, with what it was made from.
+/// A fit or a prediction with its trials.
 struct RobotIdentified {
   RobotFit fit;
   std::vector<RobotTrial> trials;
 };
 
-/// None: whole logs; seconds; times; "auto".
+/// How logs are cut: None (not at all), every so many seconds, at times, or "auto".
 using Pieces = std::optional<std::variant<double, std::vector<double>, std::string>>;
 RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bool multi_turn, bool commands, int tie) {
   RobotLogOptions out{.columns = columns, .pieces = 0, .times = {}};
@@ -93,7 +93,7 @@ py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {
 }
 py::dict bands_of(const RobotIdentified& r, std::size_t trial) {
   if (trial >= r.trials.size()) throw py::index_error("no such trial");
-  return r.fit.promises.empty() ? py::dict() : by_output(r, r.fit.promises[trial].band);
+  return r.fit.bands.empty() ? py::dict() : by_output(r, r.fit.bands[trial].band);
 }
 
 void bind_result(py::module_& m) {
@@ -151,21 +151,21 @@ void bind_result(py::module_& m) {
   bind_value(c);
 }
 
-/// f(t, phi, dphi), or None.
+/// Python function f(t, phi, dphi) -> torques, or None.
 using PyController = std::optional<py::function>;
 
-/// The trials with a Python function in their loop.
+/// The trials with a Python controller in the loop.
 std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyController& controller) {
   if (!controller) return trials;
   const Controller in_loop = [f = *controller](double t, std::span<const double> phi, std::span<const double> dphi,
                                                std::span<double> torque) {
     const py::gil_scoped_acquire lock;
     const auto array = [](std::span<const double> x) { return py::array_t<double>(py::ssize_t(x.size()), x.data()); };
-    const auto asked = f(t, array(phi), array(dphi)).cast<std::vector<double>>();
-    if (asked.size() != torque.size())
+    const auto torques = f(t, array(phi), array(dphi)).cast<std::vector<double>>();
+    if (torques.size() != torque.size())
       throw InputError(
-          fmt::format("controller: {} torques: {} are needed, one of each joint", asked.size(), torque.size()));
-    std::copy(asked.begin(), asked.end(), torque.begin());
+          fmt::format("controller: {} torques: {} are needed, one of each joint", torques.size(), torque.size()));
+    std::copy(torques.begin(), torques.end(), torque.begin());
   };
   for (RobotTrial& t : trials) {
     auto commands = std::make_shared<Commands>(*t.commands);
@@ -175,20 +175,20 @@ std::vector<RobotTrial> controlled(std::vector<RobotTrial> trials, const PyContr
   return trials;
 }
 
-/// A term's own name, where its other one is given; as it is where there is no such term.
-std::string own_name(const identify::Terms<tools::DropTerm>& terms, const std::string& given) {
+/// The term's name for its alias; any other name unchanged.
+std::string term_name(const identify::Terms<tools::DropTerm>& terms, const std::string& given) {
   for (const tools::DropTerm& t : *terms.table)
     if (t.is_called(given)) return t.name;
   return given;
 }
 template <class Map>
-Map own_names(const identify::Terms<tools::DropTerm>& terms, const Map& given) {
+Map term_names(const identify::Terms<tools::DropTerm>& terms, const Map& given) {
   Map out;
-  for (const auto& [name, value] : given) out[own_name(terms, name)] = value;
+  for (const auto& [name, value] : given) out[term_name(terms, name)] = value;
   return out;
 }
-std::vector<std::string> own_names(const identify::Terms<tools::DropTerm>& terms, std::vector<std::string> given) {
-  for (std::string& name : given) name = own_name(terms, name);
+std::vector<std::string> term_names(const identify::Terms<tools::DropTerm>& terms, std::vector<std::string> given) {
+  for (std::string& name : given) name = term_name(terms, name);
   return given;
 }
 
@@ -200,18 +200,18 @@ RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTria
   if (given.empty()) throw InputError("trials: at least one is needed");
   std::vector<RobotTrial> trials = controlled(given, controller);
   std::vector<std::string> warnings = tools::force_doubts(robot, trials);
-  for (std::string& still : tools::leave_out_still(robot.scene.robot, trials)) warnings.push_back(std::move(still));
+  for (std::string& note : tools::remove_flat_columns(robot.scene.robot, trials)) warnings.push_back(std::move(note));
   RobotFitOptions o;
   o.terms = tools::robot_terms(robot, trials);
-  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = own_names(o.terms, profile);
-  const Bounds stated = own_names(o.terms, errors);
+  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = term_names(o.terms, profile);
+  const Bounds stated = term_names(o.terms, errors);
   o.errors.assign(stated.begin(), stated.end());
   const std::vector<std::string> starts_of_trials = o.terms.nuisance;
-  const std::vector<std::string> each = own_names(o.terms, per_run);
+  const std::vector<std::string> per_log = term_names(o.terms, per_run);
   if (free)
-    o.terms = choose(o.terms, own_names(o.terms, *free), starts_of_trials, own_names(o.terms, priors),
-                     own_names(o.terms, lower), own_names(o.terms, upper));
-  tools::give_each_run(each, trials, o);
+    o.terms = chosen_terms(o.terms, term_names(o.terms, *free), starts_of_trials, term_names(o.terms, priors),
+                           term_names(o.terms, lower), term_names(o.terms, upper));
+  tools::fit_per_run(per_log, trials, o);
   return long_call([&](const std::function<bool()>& stop) {
     o.monitor.stop = stop;
     RobotIdentified out{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};

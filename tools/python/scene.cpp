@@ -1,4 +1,4 @@
-// Scene, motion and player for Python.
+// Python bindings of scene, motion and player.
 #include <fmt/format.h>
 
 #include "landing/body/body_scene.hpp"
@@ -24,8 +24,8 @@ namespace {
 Motion motion_of(double phi_i, double phi_f, double duration, const std::vector<double>& bumps, double gain_p,
                  double gain_d) {
   Motion m{angle("phi_i", phi_i), angle("phi_f", phi_f), checked("duration", duration, Range::positive())};
-  if (bumps.size() > kMostBumps)
-    throw InputError(fmt::format("bumps: {} terms: at most {} are needed", bumps.size(), kMostBumps));
+  if (bumps.size() > kMaxBumps)
+    throw InputError(fmt::format("bumps: {} terms: at most {} are needed", bumps.size(), kMaxBumps));
   for (std::size_t k = 0; k < bumps.size(); ++k) m.bumps[k] = checked("bumps", bumps[k], Range::any());
   m.gain_p = checked("gain_p", gain_p, Range::non_negative());
   m.gain_d = checked("gain_d", gain_d, Range::non_negative());

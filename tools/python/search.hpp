@@ -1,4 +1,4 @@
-// What the bindings of searches and of scatter share.
+// Shared by the bindings of searches and of scatter.
 #pragma once
 
 #include "landing/judge/under_scatter.hpp"
@@ -10,24 +10,24 @@ namespace ukemi::python {
 /// Variables on an edge of their range, by name: "lower", "upper".
 std::map<std::string, std::string> edges_of(const std::vector<landing::Variable>& variables,
                                             const landing::Edges& edges);
-/// What an argument says of the scatter, if anything.
-inline std::optional<landing::Scatter> asked_scatter(const std::optional<std::string>& text) {
+/// The scatter of an argument, if given.
+inline std::optional<landing::Scatter> parsed_scatter(const std::optional<std::string>& text) {
   return text ? std::optional(landing::parse_scatter("scatter", *text)) : std::nullopt;
 }
-/// Measured drops of a file, in place of all that is drawn; none without a file. Throws InputError where what says how
-/// drops are drawn is given beside it.
+/// Measured drops of a file, which replace drawn ones; none without a file. Throws InputError where `scatter` or
+/// `inflate` is given too.
 std::vector<landing::ScatteredDrop> measured_drops(const std::optional<Path>& file, const landing::Scene& scene,
                                                    const Actuator& actuator, const std::optional<std::string>& scatter,
                                                    double inflate);
-/// Drops that a search under scatter looks at.
+/// Checks the number of drops of a search under scatter.
 inline long checked_samples(long samples) {
   return long(checked("samples", double(samples), {16, 4096, false, "16 to 4096"}));
 }
-/// How a plan for drops that scatter is asked for.
+/// Options of a plan under scatter from arguments.
 landing::RobustOptions robust_of(const std::optional<std::string>& measure, const std::optional<std::string>& scatter,
                                  double inflate, long samples);
 
-/// What every risk tells; `of` is the risk of a result.
+/// Binds what all risks share; of(result): the risk.
 template <class T, class... Options>
 void bind_peak_risk(py::class_<T, Options...>& c, const landing::PeakRisk& (*of)(const T&)) {
   using landing::PeakRisk;

@@ -1,4 +1,4 @@
-// What numbers of a design buy, for Python.
+// Python bindings of design trade-offs.
 #include "landing/plan/trade.hpp"
 
 #include <fmt/format.h>
@@ -17,23 +17,23 @@ namespace {
 
 using tools::TradeResult;
 
-py::object worth(double value) { return value < kNoMotion ? py::cast(value) : py::none(); }
+py::object value_or_none(double value) { return value < kNoMotion ? py::cast(value) : py::none(); }
 
 py::list designs_of(const TradeResult& r) {
   py::list out;
   for (const TradePoint& p : r.trade.points) {
     py::dict at, point;
     for (std::size_t a = 0; a < r.trade.axes.size(); ++a) at[r.trade.axes[a].name.c_str()] = p.at[a];
-    point["at"] = at, point["held"] = worth(p.held), point["unchanged"] = worth(p.unchanged);
-    point["planned"] = worth(p.planned);
-    point["peak"] = worth(p.peak);
+    point["at"] = at, point["held"] = value_or_none(p.held), point["unchanged"] = value_or_none(p.unchanged);
+    point["planned"] = value_or_none(p.planned);
+    point["peak"] = value_or_none(p.peak);
     point["motions"] = p.found() ? py::object(by_joint(r.scene.robot, p.motion)) : py::none();
     out.append(point);
   }
   return out;
 }
 
-/// Refused before anything is searched.
+/// Throws InputError for an invalid axis, before any search.
 void check_axes(const BodyScene& scene, const std::vector<TradeAxis>& axes, bool ratings) {
   for (const TradeAxis& axis : axes) {
     for (const double value : axis.values) {
@@ -52,7 +52,7 @@ std::vector<TradeAxis> axes_of(const py::dict& vary) {
   return out;
 }
 
-/// A trade of these designs, or a front of two loads.
+/// A trade over `axes`, or the front of two loads.
 TradeResult traded(const BodyScene& scene, const std::vector<TradeAxis>& axes,
                    const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs, bool ratings,
                    const BodyPlanOptions& search) {
@@ -108,9 +108,9 @@ void bind_trade(py::module_& m) {
          const std::vector<std::string>& forbidden, bool ratings,
          const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs) {
         if (front.has_value() == !vary.empty()) throw InputError("vary or pareto is needed, and not both");
-        const BodyScene kept = limited(scene, forbidden, false);
-        return traded(kept, axes_of(vary), front, designs, ratings,
-                      plan_options(kept, seed, objective, evaluations, robust, scatter, inflate, samples, threads));
+        const BodyScene limited = with_limits(scene, forbidden, false);
+        return traded(limited, axes_of(vary), front, designs, ratings,
+                      plan_options(limited, seed, objective, evaluations, robust, scatter, inflate, samples, threads));
       },
       py::arg("scene"), py::arg("vary") = py::dict(), py::arg("seed") = 1, py::arg("objective") = "peak",
       py::arg("evaluations") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),

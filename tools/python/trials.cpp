@@ -1,4 +1,4 @@
-// Rig and trials for Python.
+// Python bindings of rig and trials.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ using namespace identify;
 
 std::vector<Trial> prepared(std::vector<Trial> trials, const Rig& rig, std::optional<double> force_noise) {
   checked("force_noise", force_noise, Range::non_negative());
-  for (Trial& t : trials) rest_between_hits(t, force_noise), t.command = drive_command(t, rig.drive);
+  for (Trial& t : trials) flatten_force_between_hits(t, force_noise), t.command = drive_command(t, rig.drive);
   return trials;
 }
 
@@ -143,7 +143,7 @@ void bind_trial(py::module_& m) {
         Rig rig{};
         rig.gear_ratio = checked("gear_ratio", gear_ratio, Range::positive());
         tools::Json modules;
-        return tools::read_any(
+        return tools::read_trial_file(
             path, a, {.columns = columns, .require_phi = false, .gear_ratio = gear_ratio.value_or(1)}, rig, modules);
       },
       py::arg("path"), py::arg("columns") = "", py::arg("module") = "", py::arg("gear_ratio") = py::none(),

@@ -1,4 +1,4 @@
-// Trials as the verbs take them.
+// Preparation of trials, as in the verbs.
 #pragma once
 
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace ukemi::python {
 
-/// The force at rest between hits, the command as the rig's drive gives it. force_noise [N], >= 0.
+/// Trials with zero force between hits and the command of the rig's drive. force_noise [N], >= 0.
 std::vector<identify::Trial> prepared(std::vector<identify::Trial> trials, const identify::Rig& rig,
                                       std::optional<double> force_noise);
 

@@ -1,4 +1,4 @@
-// What many classes of the Python module are: values, with a file, with a picture, with a report. Each is said once.
+// Traits that classes of the Python module share: values, a file, a figure, a report.
 #pragma once
 
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 namespace ukemi::python {
 
-/// ==, hash, copy, deepcopy and pickle, by the fields. Nothing of such an object can be changed from Python.
+/// Binds ==, hash, copy, deepcopy and pickle by the fields. Such objects are immutable in Python.
 template <class T, class... Options>
 void bind_value(py::class_<T, Options...>& c) {
   const auto compared = [](const T& x) { return bytes_of(x, Writer::Purpose::kCompare); };
@@ -22,7 +22,7 @@ void bind_value(py::class_<T, Options...>& c) {
       .def(
           "__deepcopy__", [](const T& x, const py::dict&) { return T(x); }, py::arg("memo"))
       .def(py::pickle(
-          [](const T& x) { return py::make_tuple(UKEMI_VERSION, py::bytes(bytes_of(x, Writer::Purpose::kKeep))); },
+          [](const T& x) { return py::make_tuple(UKEMI_VERSION, py::bytes(bytes_of(x, Writer::Purpose::kPickle))); },
           [](const py::tuple& state) {
             if (state.size() != 2 || py::str(state[0]).cast<std::string>() != UKEMI_VERSION)
               throw InputError("pickle: it is of another version than " UKEMI_VERSION);
@@ -30,7 +30,7 @@ void bind_value(py::class_<T, Options...>& c) {
           }));
 }
 
-/// toml() and save(path); `what`: "a scene file".
+/// Binds toml() and save(path); `what`: "a scene file".
 template <class T, class Text, class... Options>
 void bind_file(py::class_<T, Options...>& c, const std::string& what, Text text) {
   c.def("toml", text, ("The text of " + what + ".").c_str())
@@ -39,7 +39,7 @@ void bind_file(py::class_<T, Options...>& c, const std::string& what, Text text)
           ("Writes " + what + ".").c_str());
 }
 
-/// figure(), which notebooks show by themselves.
+/// Binds figure(), which notebooks show.
 template <class T, class Draw, class... Options>
 void bind_figure(py::class_<T, Options...>& c, Draw draw, const char* words) {
   c.def("figure", draw, words)
@@ -47,12 +47,12 @@ void bind_figure(py::class_<T, Options...>& c, Draw draw, const char* words) {
           "_repr_svg_", [draw](const T& x) { return draw(x).svg; }, "What a notebook shows.");
 }
 
-/// summary.json as Python has it.
+/// summary.json of a folder as a dict.
 py::dict summary_of(const std::string& folder);
-/// What the program's verb would write. `formats`: of svg, pdf, png.
+/// Options of a silent run that writes into `folder`. `formats` of figures: svg, pdf, png.
 tools::CommonOptions report_options(const Path& folder, const std::vector<std::string>& formats, std::uint64_t seed);
 
-/// Writes the files of a verb; report(result, run) is the program's own report. Returns the summary.
+/// Writes a verb's files; report(result, run): the program's own report. Returns the summary.
 template <class T, class Write>
 py::dict written(const T& result, const tools::Outputs& outputs, const Path& folder,
                  const std::vector<std::string>& figures, std::uint64_t seed, const Write& report) {
@@ -68,7 +68,7 @@ inline std::string report_words(const std::string& verb) {
          "` would into a folder: report.html, summary.json, its other files; figures: formats of files of their own, "
          "of svg, pdf, png. Returns the summary.";
 }
-/// write_report(folder, figures): the files of the program's verb for this result, by the same code.
+/// Binds write_report(folder, figures), which writes the files of the program's verb.
 template <class T, class Write, class Seed, class... Options>
 void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Write report, Seed seed) {
   c.def(

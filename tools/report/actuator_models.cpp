@@ -19,21 +19,21 @@ std::string comment(std::string text) {
   return "<!--\n" + text + "-->\n";
 }
 
-/// Where in the model each constant of an actuator file stands; what is not named stands nowhere.
-using Places = std::map<std::string, std::string>;
+/// Model element that holds each constant of an actuator file, by its key; a constant without one is left out.
+using Elements = std::map<std::string, std::string>;
 
-/// What became of each constant that the actuator has.
-std::string sheet(const Actuator& a, const Places& places) {
+/// A line for each constant of the actuator: value, standard error, model element.
+std::string listing(const Actuator& a, const Elements& elements) {
   std::string text;
   const auto line = [&](const std::string& name, double value, const std::string& unit) {
     const auto error = a.standard_error(name);
-    const auto place = places.find(name);
+    const auto element = elements.find(name);
     text += fmt::format("  {} = {} {}{}: {}\n", name, shortest(value), unit,
                         error ? fmt::format(", standard error {:.2g}", *error) : "",
-                        place == places.end() ? "NOT IN THIS MODEL" : place->second);
+                        element == elements.end() ? "NOT IN THIS MODEL" : element->second);
   };
-  const auto five = constants(a.sea);
-  for (int i = by_command(a.sea) ? 2 : 0; i < kConstants; ++i) line(kConstantNames[i], five[i], kConstantUnits[i]);
+  const auto u = constants(a.sea);
+  for (int i = known_command(a.sea) ? 2 : 0; i < kConstants; ++i) line(kConstantNames[i], u[i], kConstantUnits[i]);
   for (const ActuatorConstant& c : optional_constants())
     if (a.sea.*c.at != c.absent) line(c.key, a.sea.*c.at, c.unit);
   if (std::isfinite(a.sea.tau_max)) line("tau_max", a.sea.tau_max, "Nm, limit of the spring's torque");
@@ -46,19 +46,19 @@ std::string sheet(const Actuator& a, const Places& places) {
 bool feeds_back_motor(const Actuator& a) { return a.sea.feedback == Feedback::kMotor; }
 
 std::string mjcf_words(const Actuator& a, const std::string& j) {
-  const bool motor = feeds_back_motor(a), command = by_command(a.sea);
-  Places places = {{"k_p", motor ? "kp of the position actuator" : "your controller, see below"},
-                   {"k_d", motor ? "kv of the position actuator" : "your controller, see below"},
-                   {"k_sea", "stiffness of the tendon " + j + "_spring"},
-                   {"c_sea", "damping of the same tendon"},
-                   {"i_motor", "armature of " + j + "_motor, the rotor's at the gear's output"},
-                   {"friction", "frictionloss of " + j + "_motor"},
-                   {"viscous_friction", "damping of " + j + "_motor"},
-                   {"output_friction", "frictionloss of " + j},
-                   {"output_viscous", "damping of " + j}};
-  if (command) places["k_t"] = "gear of the motor actuator, of which ctrl is the command";
+  const bool motor = feeds_back_motor(a), command = known_command(a.sea);
+  Elements elements = {{"k_p", motor ? "kp of the position actuator" : "your controller, see below"},
+                       {"k_d", motor ? "kv of the position actuator" : "your controller, see below"},
+                       {"k_sea", "stiffness of the tendon " + j + "_spring"},
+                       {"c_sea", "damping of the same tendon"},
+                       {"i_motor", "armature of " + j + "_motor, the rotor's at the gear's output"},
+                       {"friction", "frictionloss of " + j + "_motor"},
+                       {"viscous_friction", "damping of " + j + "_motor"},
+                       {"output_friction", "frictionloss of " + j},
+                       {"output_viscous", "damping of " + j}};
+  if (command) elements["k_t"] = "gear of the motor actuator, of which ctrl is the command";
   const std::string text =
-      fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + sheet(a, places) +
+      fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + listing(a, elements) +
       fmt::format(
           "{0} is phi_1, the angle of the link; {0}_motor is phi_m, the angle of the rotor at the gear's output.\n"
           "The tendon's length is phi_m - phi_1: K_SEA (phi_m - phi_1) + C_SEA (dphi_m - dphi_1) drives the link "
@@ -78,7 +78,7 @@ std::string mjcf_words(const Actuator& a, const std::string& j) {
 }
 
 std::string drive_element(const Actuator& a, const std::string& j) {
-  if (by_command(a.sea))
+  if (known_command(a.sea))
     return fmt::format("<motor name=\"{0}\" joint=\"{0}_motor\" gear=\"{1}\"/>", j, shortest(a.sea.k_t));
   if (feeds_back_motor(a))
     return fmt::format("<position name=\"{0}\" joint=\"{0}_motor\" kp=\"{1}\" kv=\"{2}\"/>", j, shortest(a.sea.k_p),
@@ -86,26 +86,26 @@ std::string drive_element(const Actuator& a, const std::string& j) {
   return fmt::format("<motor name=\"{0}\" joint=\"{0}_motor\"/>", j);
 }
 
-/// What the controller of the drive does, for a format that has none.
+/// The law of the drive's controller, for a format that has none.
 std::string controller_words(const Actuator& a) {
-  if (by_command(a.sea)) return fmt::format("k_t = {} times its command", shortest(a.sea.k_t));
+  if (known_command(a.sea)) return fmt::format("k_t = {} times its command", shortest(a.sea.k_t));
   return fmt::format("Eq. 3: k_p (phi_ref - {0}) + k_d (dphi_ref - rate of {0})",
                      feeds_back_motor(a) ? "phi_m" : "phi_1");
 }
 
-bool rated(const Actuator& a) { return a.motor_torque_max && a.speed_max; }
+bool has_ratings(const Actuator& a) { return a.motor_torque_max && a.speed_max; }
 
 std::string urdf_words(const Actuator& a, const std::string& j) {
-  Places places = {{"k_sea", "springStiffness of " + j + "_spring, which Gazebo alone reads"},
-                   {"c_sea", "damping of " + j + "_spring"},
-                   {"i_motor", "inertia of the link " + j + "_rotor, the rotor's at the gear's output"},
-                   {"friction", "friction of " + j + "_motor"},
-                   {"viscous_friction", "damping of " + j + "_motor"}};
-  if (rated(a)) {
-    places["motor_torque_max"] = "effort of " + j + "_motor";
-    places["speed_max"] = "velocity of " + j + "_motor";
+  Elements elements = {{"k_sea", "springStiffness of " + j + "_spring, which Gazebo alone reads"},
+                       {"c_sea", "damping of " + j + "_spring"},
+                       {"i_motor", "inertia of the link " + j + "_rotor, the rotor's at the gear's output"},
+                       {"friction", "friction of " + j + "_motor"},
+                       {"viscous_friction", "damping of " + j + "_motor"}};
+  if (has_ratings(a)) {
+    elements["motor_torque_max"] = "effort of " + j + "_motor";
+    elements["speed_max"] = "velocity of " + j + "_motor";
   }
-  return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + sheet(a, places) +
+  return fmt::format("Series elastic actuator: {}\nWhere its constants went:\n", shown(a.name)) + listing(a, elements) +
          fmt::format(
              "Two joints in a row: {0}_motor is phi_m, {0}_spring is phi_1 - phi_m, so that phi_1 is their sum.\n"
              "What URDF cannot hold: the spring (without Gazebo's line the joint is free); the controller, whose "
@@ -163,9 +163,9 @@ std::string mjcf(const Actuator& a, const RigLink& link, const std::string& j, c
 
 std::string urdf(const Actuator& a, const RigLink& link, const std::string& j, const std::string& comments) {
   const SeaParameters<double>& s = a.sea;
-  const std::string limit = rated(a) ? fmt::format("\n    <limit effort=\"{}\" velocity=\"{}\"/>",
-                                                   shortest(*a.motor_torque_max), shortest(*a.speed_max))
-                                     : "";
+  const std::string limit = has_ratings(a) ? fmt::format("\n    <limit effort=\"{}\" velocity=\"{}\"/>",
+                                                         shortest(*a.motor_torque_max), shortest(*a.speed_max))
+                                           : "";
   return "<?xml version=\"1.0\"?>\n" + comment(comments + urdf_words(a, j)) +
          fmt::format(
              R"(<robot name="ukemi_actuator">

@@ -1,4 +1,4 @@
-// An identified actuator as lines of a simulator's model: MuJoCo's MJCF, URDF with Gazebo's extensions.
+// Exports an identified actuator as a simulator's model: MuJoCo's MJCF, or URDF with Gazebo's extensions.
 #pragma once
 
 #include <string>
@@ -7,19 +7,19 @@
 
 namespace ukemi::tools {
 
-/// The link that an actuator moves on its rig: no gravity, a force at the tip.
+/// The link that the actuator moves on its rig; no gravity.
 struct RigLink {
   double length;   ///< from the joint to the tip [m], > 0
   double inertia;  ///< about the joint [kg m^2], > 0
 };
 
-/// A whole model of the rig, of which the lines between the link and its base are for another robot. What each constant
-/// became, its standard error and what the format cannot hold stand in comments; so do the lines of `comments`.
+/// A complete model of the rig; the elements between link and base can be copied into another robot's model. XML
+/// comments give `comments`, where each constant went with its standard error, and what the format cannot hold.
 ///
 /// MJCF: rotor and link are two joints on one axis; i_motor is the rotor's armature, K_SEA and C_SEA a fixed tendon of
-/// length phi_m - phi_1. This is Eq. 2-4 of [1] but for the limit of Eq. 2.
+/// length phi_m - phi_1. This is Eq. 2-4 of [1] without the limit of Eq. 2.
 std::string mjcf(const Actuator& actuator, const RigLink& link, const std::string& joint, const std::string& comments);
-/// URDF: rotor and spring are two joints in a row; the spring's stiffness is Gazebo's.
+/// URDF: rotor and spring are two joints in series; the spring's stiffness is an element of Gazebo's.
 std::string urdf(const Actuator& actuator, const RigLink& link, const std::string& joint, const std::string& comments);
 
 }  // namespace ukemi::tools

@@ -15,7 +15,7 @@ PointName contact_name(const Robot& robot) {
   return [&robot](int contact) { return robot.contacts[std::size_t(contact)].name; };
 }
 
-std::vector<Peak> numbered(const std::vector<Peak>& peaks) {
+std::vector<Peak> contact_peaks(const std::vector<Peak>& peaks) {
   std::vector<Peak> out;
   for (const Peak& p : peaks)
     if (p.point >= 0) out.push_back(p);
@@ -23,7 +23,7 @@ std::vector<Peak> numbered(const std::vector<Peak>& peaks) {
 }
 Json peaks_json(const std::vector<Peak>& peaks, const PointName& name) {
   Json out = Json::array();
-  for (const Peak& p : numbered(peaks))
+  for (const Peak& p : contact_peaks(peaks))
     out.push_back({{"n", out.size() + 1}, {"t", p.t}, {"acceleration", p.acceleration}, {"contact", name(p.point)}});
   return out;
 }
@@ -49,11 +49,11 @@ std::vector<landing::Place> outline(const Robot& robot, int link) {
     return (p.along - a.along) * (b.along - a.along) + (p.across - a.across) * (b.across - a.across);
   };
   if (area < kFlat) {
-    std::vector<std::pair<double, landing::Place>> order;
-    for (const landing::Place& p : all) order.push_back({along(p), p});
-    std::sort(order.begin(), order.end(), [](auto& a, auto& b) { return a.first < b.first; });
+    std::vector<std::pair<double, landing::Place>> sorted;
+    for (const landing::Place& p : all) sorted.push_back({along(p), p});
+    std::sort(sorted.begin(), sorted.end(), [](auto& a, auto& b) { return a.first < b.first; });
     all.clear();
-    for (const auto& [at, p] : order) all.push_back(p);
+    for (const auto& [at, p] : sorted) all.push_back(p);
     return all;
   }
   std::sort(all.begin(), all.end(),
@@ -64,18 +64,18 @@ std::vector<landing::Place> outline(const Robot& robot, int link) {
 
 namespace {
 
-/// Of the rows that the animation needs: no more than the eye sees, and every peak.
-constexpr std::size_t kMostFrames = 600;
+/// Bound on the parts into which kept_rows divides a trajectory.
+constexpr std::size_t kMaxFrames = 600;
 
 std::vector<std::size_t> frames_of(const Landing& l) {
   std::vector<double> acc, hip;
   for (const Sample& s : l.trajectory)
     acc.push_back(s.acc),
         hip.push_back(std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]));
-  return kept_rows({&acc, &hip}, kMostFrames);
+  return kept_rows({&acc, &hip}, kMaxFrames);
 }
 
-/// A quantity in some rows of a landing, to whole units.
+/// A quantity in rows `frames` of a landing, rounded to multiples of `unit`.
 Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
                const std::function<double(const Sample&)>& value, double unit) {
   Json out = Json::array();
@@ -83,7 +83,7 @@ Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
   return out;
 }
 
-/// Where the robot is in these rows.
+/// Times and poses in rows `frames`.
 Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double unit) {
   Json out;
   const std::pair<const char*, double Sample::*> columns[] = {
@@ -96,7 +96,6 @@ Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double 
 
 Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
   const std::vector<std::size_t> frames = frames_of(landing);
-  // To as many digits as an eye can see.
   const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
     return column_of(landing, frames, value, unit);
   };
@@ -120,7 +119,7 @@ std::vector<std::size_t> frames_of(const BodyLanding& l) {
     for (const double f : s.force_y) sum += f;
     force.push_back(sum);
   }
-  return kept_rows({&acc, &force}, kMostFrames);
+  return kept_rows({&acc, &force}, kMaxFrames);
 }
 
 Json place_json(const landing::Place& p) { return {p.along, p.across}; }

@@ -1,4 +1,4 @@
-// Landings as the page's script draws them (page/fall.js): columns over time, to as many digits as an eye can see.
+// JSON of landings for the page's animation (page/fall.js): columns over time, rounded to what is visible.
 #pragma once
 
 #include <functional>
@@ -13,19 +13,19 @@ namespace ukemi::tools {
 
 /// Name of Touch::point and Peak::point.
 using PointName = std::function<std::string(int)>;
-std::string point_name(int point);  ///< of the paper's robot
-/// Of the robot's contacts; it must outlive the names.
+std::string point_name(int point);  ///< of the paper's robot: hip, knee, foot
+/// Names of the robot's contacts; `robot` must outlive the returned function.
 PointName contact_name(const landing::Robot& robot);
 
-/// The peaks that a touchdown began.
-std::vector<landing::Peak> numbered(const std::vector<landing::Peak>& peaks);
+/// The peaks that follow a touchdown: those that figures number.
+std::vector<landing::Peak> contact_peaks(const std::vector<landing::Peak>& peaks);
 Json peaks_json(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
 
-/// A link as it is drawn: through its places, closed where they are not in a line; a body of no length as a small
-/// square.
+/// Polyline of a link in its own frame [m]: through its places, closed unless they are collinear; a small square for a
+/// link without length.
 std::vector<landing::Place> outline(const landing::Robot& robot, int link);
 
-/// A landing with its trajectory; thin beside it the same motion in other drops. `length`: of each link [m].
+/// A landing; `ghosts`: the same motion in other drops, drawn thin. `length`: of each link [m].
 Json animation(const std::string& name, const landing::Landing& landing, const std::vector<landing::Landing>& ghosts,
                double length);
 Json animation(const std::string& name, const landing::BodyScene& scene, const landing::BodyLanding& landing);

@@ -52,7 +52,7 @@ Json drop_json(const Drop& d) {
   return {{"height", d.height}, {"forward_speed", d.forward_speed}, {"pitch_deg", d.pitch * kDegrees}};
 }
 
-/// Values of an axis as a reader sees them.
+/// Values of an axis times `factor`.
 std::vector<double> shown(const AtlasAxis& axis, double factor) {
   std::vector<double> out;
   for (std::size_t i = 0; i < axis.count; ++i) out.push_back(factor * axis.at(i));
@@ -70,8 +70,8 @@ double goal_at(const Atlas& atlas, const AtlasGrid::Place& at) {
   return c.planned() ? c.value : std::nan("");
 }
 
-/// The goal over two axes; the third stands where `at` says.
-Heatmap over(const Atlas& atlas, AtlasGrid::Place at, std::size_t x, std::size_t y) {
+/// Heat map of the goal over axes x and y; the third is fixed at its index in `at`.
+Heatmap goal_map(const Atlas& atlas, AtlasGrid::Place at, std::size_t x, std::size_t y) {
   const auto& axes = atlas.header.grid.axes;
   Heatmap out{.x_label = kAxisWords[x].label,
               .y_label = kAxisWords[y].label,
@@ -82,8 +82,8 @@ Heatmap over(const Atlas& atlas, AtlasGrid::Place at, std::size_t x, std::size_t
   return out;
 }
 
-/// The goal along one axis.
-Series along(const Atlas& atlas, std::size_t x) {
+/// Curve of the goal along one axis.
+Series goal_line(const Atlas& atlas, std::size_t x) {
   const AtlasAxis& axis = atlas.header.grid.axes[x];
   Series out;
   out.x = shown(axis, kAxisWords[x].factor);
@@ -92,7 +92,7 @@ Series along(const Atlas& atlas, std::size_t x) {
   return out;
 }
 
-/// The best, the middle and the worst of the drops with a motion.
+/// Best, median and worst of the drops with a motion.
 Json range_json(const AtlasResult& r) {
   std::vector<std::size_t> planned;
   for (const std::size_t i : r.drops)
@@ -109,28 +109,28 @@ Json range_json(const AtlasResult& r) {
   return out;
 }
 
-/// A map at each of some heights; of fewer axes one map, or a line.
-void picture(Report& page, const AtlasResult& r) {
+/// Heat maps at some heights; of two varied axes one map, of one a curve.
+void add_goal_figures(Report& page, const AtlasResult& r) {
   const Atlas& atlas = r.atlas;
-  constexpr std::size_t kPictures = 6;
+  constexpr std::size_t kMaxMaps = 6;
   const auto& axes = atlas.header.grid.axes;
-  std::vector<std::size_t> moving;
+  std::vector<std::size_t> varied;
   for (std::size_t k = 0; k < axes.size(); ++k)
-    if (!axes[k].stands()) moving.push_back(k);
+    if (!axes[k].stands()) varied.push_back(k);
   const std::string what = goal_of(atlas.header);
-  if (moving.size() == 1) {
+  if (varied.size() == 1) {
     page.heading(fmt::format("The {} of each drop", what));
-    page.plot("goal", kAxisWords[moving[0]].label, fmt::format("{} [{}]", what, r.unit), {along(atlas, moving[0])});
-  } else if (moving.size() == 2) {
+    page.plot("goal", kAxisWords[varied[0]].label, fmt::format("{} [{}]", what, r.unit), {goal_line(atlas, varied[0])});
+  } else if (varied.size() == 2) {
     page.heading(fmt::format("The {} of each drop [{}]", what, r.unit));
-    page.heatmap(over(atlas, {}, moving[1], moving[0]));
-  } else if (moving.size() == 3) {
+    page.heatmap(goal_map(atlas, {}, varied[1], varied[0]));
+  } else if (varied.size() == 3) {
     const AtlasAxis& heights = axes[0];
-    const std::size_t n = std::min<std::size_t>(kPictures, heights.count);
+    const std::size_t n = std::min<std::size_t>(kMaxMaps, heights.count);
     for (std::size_t p = 0; p < n; ++p) {
       const std::size_t i = p * (heights.count - 1) / (n - 1);
       page.heading(fmt::format("Dropped from {:.3g} m: {} [{}]", heights.at(i), what, r.unit));
-      page.heatmap(over(atlas, {i, 0, 0}, 2, 1));
+      page.heatmap(goal_map(atlas, {i, 0, 0}, 2, 1));
     }
   }
 }
@@ -141,9 +141,9 @@ int report(const AtlasResult& r, Run& run) {
   const Atlas& atlas = r.atlas;
   const AtlasHeader& h = atlas.header;
   const bool finished = r.journal.empty();
-  const std::string said = fmt::format("{} drops: {} planned, {} without a motion; {} were planned before",
-                                       r.drops.size(), atlas.planned(), atlas.none(), r.resumed);
-  run.say(said);
+  const std::string counts = fmt::format("{} drops: {} planned, {} without a motion; {} were planned before",
+                                         r.drops.size(), atlas.planned(), atlas.none(), r.resumed);
+  run.say(counts);
   if (atlas.none() > 0)
     run.warn(fmt::format("{} drops: no motion was found that can be followed with the joint held", atlas.none()));
   Json summary = {{"goal", goal_of(h)},         {"drops", r.drops.size()},
@@ -151,8 +151,8 @@ int report(const AtlasResult& r, Run& run) {
                   {"resumed", r.resumed},       {"blocks", h.grid.blocks()},
                   {"range", range_json(r)}};
   if (!r.shard.empty()) summary["shard"] = r.shard;
-  const bool safe = finished && h.safest.drop != SafestMotion::kNoDrop && atlas.open() == 0;
-  if (safe) {
+  const bool safest = finished && h.safest.drop != SafestMotion::kNoDrop && atlas.open() == 0;
+  if (safest) {
     summary["safest"] = drop_json(h.grid.drop(h.safest.drop));
     summary["safest"]["worst_peak"] = h.safest.worst;
     run.say(fmt::format("the safest motion over all drops: worst peak {:.4g} {}", h.safest.worst, r.unit));
@@ -166,15 +166,15 @@ int report(const AtlasResult& r, Run& run) {
     run.add("atlas.part", r.journal);
 
   Report page("Atlas of landings: " + r.scene);
-  page.paragraph(said + ". White: no motion, or not planned here.");
-  if (safe)
+  page.paragraph(counts + ". White: no motion, or not planned here.");
+  if (safest)
     page.paragraph(
         fmt::format("The safest motion over all drops has a worst peak of {:.4g} {}.", h.safest.worst, r.unit));
-  picture(page, r);
+  add_goal_figures(page, r);
   page.answer({fmt::format("{} of {} drops have a planned landing{}", atlas.planned(), r.drops.size(),
-                           safe ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} {}.",
-                                              h.safest.worst, r.unit)
-                                : "."),
+                           safest ? fmt::format("; the safest motion over all of them has a worst peak of {:.4g} {}.",
+                                                h.safest.worst, r.unit)
+                                  : "."),
                {check(finished, "finished", finished ? "" : "the same command goes on with it"),
                 check(atlas.none() == 0, "every drop has a motion", fmt::format("{} without", atlas.none()))},
                "atlas.bin is what a robot looks its motions up in."},
@@ -184,7 +184,7 @@ int report(const AtlasResult& r, Run& run) {
   return run.finish(summary, atlas.planned() > 0 ? kDone : kNumbers);
 }
 
-int report(const AskedAtlas& a, Run& run) {
+int report(const AtlasLookup& a, Run& run) {
   Json summary = {{"drop", drop_json(a.drop)}, {"found", a.found}, {"inside", a.inside}};
   Report page("An atlas asked: " + a.scene);
   if (!a.found) {

@@ -1,4 +1,4 @@
-// An atlas as it is written.
+// Reports of an atlas and of a query to one.
 #pragma once
 
 #include <string>
@@ -14,35 +14,35 @@ extern const Outputs kAtlasOutputs;
 struct AtlasResult {
   std::string scene;                         ///< its name
   std::vector<landing::Variable> variables;  ///< of its motions
-  std::string scene_toml, actuator_toml;     ///< texts, of which the header has the checksum; of a robot of links the
-                                             ///< scene names its drives, and the other is empty
-  landing::Atlas atlas;                      ///< drops of other shards are open
+  std::string scene_toml, actuator_toml;     ///< texts whose checksum is in the header; actuator_toml is empty for a
+                                             ///< robot of links, whose scene names its drives
+  landing::Atlas atlas;                      ///< drops of other shards are not planned
   std::vector<std::size_t> drops;            ///< of the shard, in the grid's order
   std::string shard;                         ///< "2/3"; empty: the whole
-  std::size_t resumed = 0;                   ///< drops that an earlier run had planned
-  std::string unit = "m/s^2";                ///< of what is made small
-  std::string journal;                       ///< where it was interrupted: what the next run goes on from
+  std::size_t resumed = 0;                   ///< number of drops that an earlier run had planned
+  std::string unit = "m/s^2";                ///< of the goal
+  std::string journal;                       ///< of an interrupted run: what the next one resumes from; else empty
 };
 
-/// What an atlas has for a drop, beside the held posture there.
-struct AskedAtlas {
+/// Result of looking up a drop in an atlas, compared with the held posture.
+struct AtlasLookup {
   std::string scene;      ///< its name
-  landing::Drop drop;     ///< that was asked for
-  landing::Drop planned;  ///< of the grid, for which the motion was planned
+  landing::Drop drop;     ///< the requested one
+  landing::Drop planned;  ///< the grid's drop that the motion was planned for
   bool inside = false, found = false;
-  bool holds = false;          ///< nothing around lands as softly as the held posture: `planned` has no say
-  std::string goal;            ///< by which the motions around were compared
-  double value = 0;            ///< of it at this drop
-  std::string unit = "m/s^2";  ///< of that
-  double peak = 0, held = 0;   ///< of the motion and of the held posture, accurately [m/s^2]
+  bool holds = false;          ///< no neighbouring motion is softer than the held posture; `planned` is unused
+  std::string goal;            ///< by which the neighbouring motions were compared
+  double value = 0;            ///< of the goal at `drop`
+  std::string unit = "m/s^2";  ///< of `value`
+  double peak = 0, held = 0;   ///< of the motion and the held posture at full accuracy [m/s^2]
   Json motion;
   std::string motion_words, motion_toml;
 };
-/// motion.toml. Returns the exit code.
-int report(const AskedAtlas& asked, Run& run);
+/// Writes motion.toml. Returns the exit code.
+int report(const AtlasLookup& lookup, Run& run);
 
-/// atlas.csv, atlas.bin, scene.toml and, of the paper's robot, actuator.toml; of an interrupted run its journal in
-/// place of atlas.bin.
+/// Writes atlas.csv, atlas.bin (its journal if interrupted), scene.toml and, for the paper's robot, actuator.toml.
+/// Returns the exit code.
 int report(const AtlasResult& result, Run& run);
 
 }  // namespace ukemi::tools

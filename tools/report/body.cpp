@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kContact = "contact";
 
-/// A joint, and where its numbers are in rows.
+/// A joint and its index in samples.
 struct NamedJoint {
   const Joint& joint;
   std::size_t index;
@@ -33,7 +33,7 @@ std::vector<NamedJoint> driven(const Robot& robot) {
 }
 std::string place_words(const landing::Place& p) { return fmt::format("[{:.4g}, {:.4g}]", p.along, p.across); }
 
-/// The drive on one line: its constants.
+/// The constants of a joint's drive on one line.
 std::string drive_words(const Joint& j) {
   std::string out;
   const auto add = [&](const char* what, double value, const char* unit) {
@@ -109,10 +109,10 @@ Check within_ratings(const BodyScene& scene, const BodyMotion& motion, const Bod
   const Robot& robot = scene.robot;
   constexpr const char* kWhat = "within ratings";
   if (l.demands.empty()) return {Check::State::kUnknown, kWhat, "the landing was not played"};
-  std::vector<std::string> beyond;
-  for (const Beyond& b : beyond_ratings(scene, motion, l))
-    beyond.push_back(fmt::format("{} {:.3g} of {:.3g} {}", b.joint->name, b.value, b.rating, b.unit));
-  if (!beyond.empty()) return {Check::State::kBad, kWhat, fmt::format("{}", fmt::join(beyond, ", "))};
+  std::vector<std::string> exceeded;
+  for (const ExceededRating& b : exceeded_ratings(scene, motion, l))
+    exceeded.push_back(fmt::format("{} {:.3g} of {:.3g} {}", b.joint->name, b.value, b.rating, b.unit));
+  if (!exceeded.empty()) return {Check::State::kBad, kWhat, fmt::format("{}", fmt::join(exceeded, ", "))};
   const bool known = std::all_of(robot.joints.begin(), robot.joints.end(),
                                  [](const Joint& j) { return !j.driven() || (j.speed_max && j.motor_torque_max); });
   return {known ? Check::State::kGood : Check::State::kUnknown, kWhat, known ? "" : "rating unknown"};
@@ -135,8 +135,8 @@ Json joints_json(const BodyScene& scene, const BodyMotion& motion, const BodyLan
   return out;
 }
 
-/// "-140 to -5 deg"
-std::string ends_words(const Stop& s) {
+/// "-140 to -5 deg": the ends of a stop.
+std::string stop_range(const Stop& s) {
   const double unit = s.joint < 0 ? 1 : 1 / kDegrees;
   return fmt::format("{:.4g} to {:.4g} {}", s.ends[0] / unit, s.ends[1] / unit, s.joint < 0 ? "m" : "deg");
 }
@@ -172,7 +172,7 @@ void robot_tables(const BodyScene& scene, Report& report) {
   std::vector<std::vector<std::string>> stops;
   for (const Stop& s : robot.stops)
     stops.push_back(
-        {stop_name(robot, s), ends_words(s), fmt::format("{:.4g}", s.stiffness), fmt::format("{:.4g}", s.damping)});
+        {stop_name(robot, s), stop_range(s), fmt::format("{:.4g}", s.stiffness), fmt::format("{:.4g}", s.damping)});
   if (!stops.empty()) report.table({"stop", "at", "stiffness [Nm/rad, N/m]", "damping [Nm s/rad, N s/m]"}, stops);
   floor_source(report, scene.source);
 }
@@ -197,7 +197,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
                        "if it has one. Units: s, N, m/s^2."));
   for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
-  say(table.turned(), run);
+  say(table.transposed(), run);
   report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
                                        : landing_sentence(l.peak, held ? held->peak : std::nan("")),
                  {converged(c.sensitivity, c.wrong()), within_ratings(c.scene, c.motion, l)},
@@ -208,7 +208,7 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   if (held) falls.push_back({"held", &*held});
   show(c.scene, falls, "trajectory.csv, contacts.csv", report);
   report.distrust(run.warnings());
-  report.folded("All numbers", table.turned());
+  report.folded("All numbers", table.transposed());
   report.heading("Contacts");
   report.table(contacts);
   robot_tables(c.scene, report);
@@ -220,17 +220,17 @@ namespace {
 
 FirstScreen robot_screen(const BodyScene& scene) {
   const Robot& robot = scene.robot;
-  const auto count = [&](auto&& of) { return std::count_if(robot.joints.begin(), robot.joints.end(), of); };
+  const auto count = [&](auto&& test) { return std::count_if(robot.joints.begin(), robot.joints.end(), test); };
   const auto driven = count([](const Joint&j) { return j.driven(); }),
              locked = count([](const Joint&j) { return j.kind == DriveKind::kLocked; }),
              unrated = count([](const Joint&j) { return j.driven() && !j.speed_max && !j.motor_torque_max; });
-  const std::size_t wrong = doubts(scene).size();
+  const std::size_t doubt_count = doubts(scene).size();
   FirstScreen out{.sentence = fmt::format(
                       "{} links of {:.4g} kg in all reach {:.3g} m; {} of {} joints are driven; base {}.",
                       robot.links.size(), robot.mass(), reach(robot), driven, robot.joints.size(), base_words(robot))};
-  out.checks = {check(wrong == 0, "plausible",
-                      wrong == 0 ? "masses, inertias and contacts are those of such links"
-                                 : fmt::format("{} of its numbers look wrong", wrong))};
+  out.checks = {check(doubt_count == 0, "plausible",
+                      doubt_count == 0 ? "masses, inertias and contacts are those of such links"
+                                       : fmt::format("{} of its numbers look wrong", doubt_count))};
   if (robot.base != Base::kPinned)
     out.checks.push_back(
         check(!robot.contacts.empty(), "can touch", fmt::format("{} contacts", robot.contacts.size())));
@@ -282,7 +282,7 @@ int report_robot(const BodyScene& scene, const std::vector<DescriptionNote>& not
   }
   for (const Stop& s : robot.stops) {
     const std::string at = stop_name(robot, s);
-    run.say(fmt::format("  stop {:<12} {}, {:.4g} {}", at, ends_words(s), s.stiffness, s.joint < 0 ? "N/m" : "Nm/rad"));
+    run.say(fmt::format("  stop {:<12} {}, {:.4g} {}", at, stop_range(s), s.stiffness, s.joint < 0 ? "N/m" : "Nm/rad"));
     summary["stops"].push_back({{"of", at}, {"stiffness", s.stiffness}, {"damping", s.damping}});
   }
   summary["locked"] = locked, summary["doubts"] = doubts(scene);

@@ -1,4 +1,4 @@
-// What the parts of a robot bear, as a table and in the summary.
+// Report of the loads of a robot's parts.
 #include <fmt/format.h>
 
 #include "landing/body/load.hpp"
@@ -36,8 +36,8 @@ const Quantities<LoadRow> kLoadQuantities = {
      }},
 };
 
-/// How far a load is beyond its limit.
-std::string broken_words(const Load& l, double value, const Robot& robot) {
+/// By how much a load exceeds its limit.
+std::string violation_words(const Load& l, double value, const Robot& robot) {
   if (l.kind == Load::Kind::kTouch) return place_of(l, robot) + " touches";
   const std::string amount = fmt::format("{:.4g} {}", value, unit(l.kind));
   if (l.kind == Load::Kind::kAngle && l.rating == 0) return amount + " outside of its range";
@@ -46,7 +46,7 @@ std::string broken_words(const Load& l, double value, const Robot& robot) {
 
 }  // namespace
 
-std::string beyond_words(const Load& l) {
+std::string exceeded_words(const Load& l) {
   if (l.kind == Load::Kind::kTouch) return "touches";
   if (l.kind == Load::Kind::kAngle && l.rating == 0) return "leaves its range";
   return fmt::format("is beyond {:.4g} {}", l.rating, unit(l.kind));
@@ -61,7 +61,7 @@ Json report_loads(const BodyScene& scene, const BodyLanding& landing, const std:
     rows.push_back({&scene.robot, scene.loads[i], peaks[i], int(i) == binds});
     if (report && scene.loads[i].limit && peaks[i].value > scene.loads[i].rating)
       run.warn(fmt::format("the load {} is beyond its limit: {}", scene.loads[i].name,
-                           broken_words(scene.loads[i], peaks[i].value, scene.robot)));
+                           violation_words(scene.loads[i], peaks[i].value, scene.robot)));
   }
   const Table table(kLoadQuantities, rows);
   if (report) {

@@ -80,33 +80,33 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
-/// Whether the share of drops that was asked for keeps the limits, as fresh drops say.
+/// Whether the requested share of fresh drops keeps the limits; kCaution within three standard errors of it.
 Check share_check(const BodyPlan& p, const BodyPlanOptions& options) {
-  const double asked = *options.share;
+  const double requested = *options.share;
   Check out{Check::State::kUnknown, "keeps its limits under scatter",
             "the share that keeps the limits is not judged on fresh drops"};
   if (options.deadline) out.words += ": the deadline left no time";
   if (const std::optional<double> kept = kept_share(p)) {
     const long drops = p.under->planned.samples;
-    const double doubt = 3 * std::sqrt(asked * (1 - asked) / double(drops));
-    out.state = *kept >= asked           ? Check::State::kGood
-                : *kept >= asked - doubt ? Check::State::kCaution
-                                         : Check::State::kBad;
+    const double margin = 3 * std::sqrt(requested * (1 - requested) / double(drops));
+    out.state = *kept >= requested            ? Check::State::kGood
+                : *kept >= requested - margin ? Check::State::kCaution
+                                              : Check::State::kBad;
     out.words = fmt::format("limits hold in {:.2f} % of {} fresh drops", 100 * *kept, drops);
   }
-  out.words += fmt::format("; asked {:g} %", 100 * asked);
+  out.words += fmt::format("; asked {:g} %", 100 * requested);
   return out;
 }
 
-/// In how many fresh drops each load is beyond its rating.
+/// Reports in how many fresh drops each load exceeds its rating.
 Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, Report& report, Run& run) {
   Json out = Json::object();
-  const auto part = [&](long drops) { return double(drops) / double(u.planned.samples); };
+  const auto share = [&](long drops) { return double(drops) / double(u.planned.samples); };
   for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
     const Load& l = scene.loads[i];
-    out[l.name] = {{"drops", u.exceeded[i]}, {"share", part(u.exceeded[i])}};
+    out[l.name] = {{"drops", u.exceeded[i]}, {"share", share(u.exceeded[i])}};
     const std::string words =
-        fmt::format("{}: {} in {} of fresh drops", l.name, beyond_words(l), percent_words(part(u.exceeded[i])));
+        fmt::format("{}: {} in {} of fresh drops", l.name, exceeded_words(l), percent_words(share(u.exceeded[i])));
     run.say(words), report.paragraph(words + ".");
   }
   return out;
@@ -144,10 +144,10 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
   return out;
 }
 
-/// Nothing where there is no band: the worst of all drops has none.
+/// " +- 3.2"; empty where `half` is not finite, as of the worst of all drops.
 std::string band_words(double half) { return std::isfinite(half) ? fmt::format(" +- {:.2g}", half) : ""; }
 
-/// The plan and the held posture over fresh drops, and whether what was promised is kept there.
+/// Reports the plan and the held posture over fresh drops, and the promised value against the fresh one.
 void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
                     Report& report, Run& run) {
   const BodyUnderScatter& u = *p.under;
@@ -185,7 +185,7 @@ std::optional<double> kept_share(const BodyPlan& plan) {
   if (!plan.under) return std::nullopt;
   return 1 - double(plan.under->broken) / double(plan.under->planned.samples);
 }
-std::string unit_of(const BodyScene& scene) { return worth_unit(rated(scene)); }
+std::string unit_of(const BodyScene& scene) { return goal_unit(rated(scene)); }
 
 int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
            Run& run) {
@@ -214,7 +214,7 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
 
 namespace {
 
-/// The motion that breaks the limits least, where none keeps them.
+/// Reports the motion with the smallest violation of the limits, where none keeps them.
 void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& run, Json& summary) {
   const Load& limit = l.limit;
   const std::string of = place_of(limit, robot);
@@ -231,7 +231,7 @@ void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& 
 }  // namespace
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
-           const Exports& exports, Run& run, const PlanBeside& beside) {
+           const Exports& exports, Run& run, const PlanExtras& extras) {
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(scene, options);
   if (!plan.message.empty()) run.warn(plan.message);
@@ -246,14 +246,14 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
     summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
     summary["joints"] = joints_json(scene, plan.motion, plan.landing);
-    if (!beside.logged.empty())
-      summary["logged"] = {{"peak_acceleration", beside.logged}, {"median", median(beside.logged)}};
+    if (!extras.logged.empty())
+      summary["logged"] = {{"peak_acceleration", extras.logged}, {"median", median(extras.logged)}};
     const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
-    const bool stands = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
-    say(first_screen(scene, plan, options, beside.logged),
-        {(stands ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),
+    const bool held = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
+    say(first_screen(scene, plan, options, extras.logged),
+        {(held ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),
          contacts.empty() ? "no contact" : "contacts: " + contacts},
-        table.turned(), run);
+        table.transposed(), run);
     run.say(fmt::format("searched for {:.2f} s", plan.seconds));
     run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
     run.add("motion.csv",
@@ -276,8 +276,8 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     }
     if (options.share) run.say(share_check(plan, options).words);
     report.distrust(run.warnings());
-    report.answer(first_screen(scene, plan, options, beside.logged), run.warnings());
-    report.folded("All numbers", table.turned());
+    report.answer(first_screen(scene, plan, options, extras.logged), run.warnings());
+    report.folded("All numbers", table.transposed());
     if (drawn) {
       report.heading("The search");
       report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
@@ -291,7 +291,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     report.write(run);
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
-    if (beside.least) report_least_breaking(scene.robot, *beside.least, run, summary);
+    if (extras.least) report_least_breaking(scene.robot, *extras.least, run, summary);
   }
   summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;

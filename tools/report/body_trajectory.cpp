@@ -6,10 +6,10 @@ using namespace landing;
 
 RowColumns<BodySample> trajectory_columns(const Robot& robot) {
   RowColumns<BodySample> out = {{"t", "time[s]", &BodySample::t}};
-  const auto add = [&](const std::string& name, const std::string& in_words, auto value) {
-    out.push_back({name, in_words, value});
+  const auto add = [&](const std::string& name, const std::string& plotjuggler_name, auto value) {
+    out.push_back({name, plotjuggler_name, value});
   };
-  // An array of the rows, at a link's, joint's or contact's place.
+  // Element k of an array of the sample: of link, joint or contact k.
   const auto at = [](auto BodySample::*values, std::size_t k) {
     return [=](const BodySample& s) { return (s.*values)[k]; };
   };

@@ -24,12 +24,12 @@ using namespace landing;
 
 namespace {
 
-/// What counts beside the logs' noise: "link.arm.mass 0.01 kg".
+/// Stated errors of unfitted constants: "link.arm.mass 0.01 kg".
 std::string errors_in_words(const FloorFit& c) {
   std::vector<std::string> out;
-  for (const identify::Considered& x : c.considered)
+  for (const identify::Considered& error : c.considered)
     for (const identify::Estimate& e : c.parameters)
-      if (e.name == x.name && !e.free) out.push_back(fmt::format("{} {:.3g} {}", x.name, x.std, e.unit));
+      if (e.name == error.name && !e.free) out.push_back(fmt::format("{} {:.3g} {}", error.name, error.std, e.unit));
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 
@@ -39,20 +39,20 @@ FitTexts texts_of(const CalibratedDrops& c) {
   return out;
 }
 
-/// Of the samples of an output that count, the share within the band that the fit promised; NaN: none was.
+/// Share of an output's used samples within the fit's 95 % band; NaN where there is no band.
 double within_band(const FitTexts& c, std::size_t output) {
-  double n = 0, within = 0;
-  for (std::size_t m = 0; m < c.result.promises.size(); ++m) {
+  double count = 0, within = 0;
+  for (std::size_t m = 0; m < c.result.bands.size(); ++m) {
     const DropResult& d = c.result.drops[m];
-    for (std::size_t i = 0; c.result.promises[m].known() && i < d.value[output].size(); ++i)
+    for (std::size_t i = 0; c.result.bands[m].known() && i < d.value[output].size(); ++i)
       if (d.used[output][i])
-        n += 1, within +=
-                std::abs(d.value[output][i] - c.logs[m]->output[output][i]) <= c.result.promises[m].band[output][i];
+        count += 1,
+            within += std::abs(d.value[output][i] - c.logs[m]->output[output][i]) <= c.result.bands[m].band[output][i];
   }
-  return n > 0 ? within / n : std::numeric_limits<double>::quiet_NaN();
+  return count > 0 ? within / count : std::numeric_limits<double>::quiet_NaN();
 }
 
-/// An output that some drop measured, over all drops.
+/// Columns of an output, given by its index, over all drops.
 Quantities<std::size_t> output_quantities(const FitTexts& texts) {
   const FloorFit& c = texts.result;
   Quantities<std::size_t> out = {
@@ -61,12 +61,12 @@ Quantities<std::size_t> output_quantities(const FitTexts& texts) {
       {"", "noise", "the logs' noise", "{:.3g}", [&c](auto& o) { return c.noise[o]; }},
       {"", "unit", "unit", {}, [&c](auto& o) { return c.channels[o].unit; }},
   };
-  if (!c.promises.empty())
+  if (!c.bands.empty())
     out.push_back({"", "within_band", "within the 95 % band", percent_words,
                    [&texts](auto& o) { return number(within_band(texts, o)); }});
   return out;
 }
-std::vector<std::size_t> measured(const FloorFit& c) {
+std::vector<std::size_t> measured_outputs(const FloorFit& c) {
   std::vector<std::size_t> out;
   for (std::size_t o = 0; o < c.channels.size(); ++o)
     if (std::isfinite(c.noise[o])) out.push_back(o);
@@ -76,7 +76,7 @@ std::vector<std::size_t> measured(const FloorFit& c) {
 Quantities<DropResult> drop_quantities(const FloorFit& c) {
   Quantities<DropResult> out = {{"", "file", words(c.logs_of).one, {}, &DropResult::file},
                                 {"", "simulated", &DropResult::simulated}};
-  for (const std::size_t o : measured(c))
+  for (const std::size_t o : measured_outputs(c))
     out.push_back({"", "rms/" + c.channels[o].name, fmt::format("{} rms [{}]", c.channels[o].name, c.channels[o].unit),
                    "{:.3g}", [o](auto& d) { return d.rms[o]; }});
   const auto& drops = c.drops;
@@ -99,7 +99,7 @@ std::string samples_csv(const Run& run, const FitTexts& c) {
       words(c.result.logs_of).one));
   std::vector<std::string> header = {
       words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"};
-  const bool promised = !c.result.promises.empty();
+  const bool promised = !c.result.bands.empty();
   if (promised)
     csv.comment("band: half of the 95 % band about what is simulated: the constants' errors and what the fit left.");
   if (promised) header.push_back("band");
@@ -113,7 +113,7 @@ std::string samples_csv(const Run& run, const FitTexts& c) {
         csv.cell(long(m + 1)).cell(c.logs[m]->t[i]).cell(c.result.channels[o].name).cell(log).cell(simulated);
         csv.cell(simulated - log).cell(int(result.used[o][i]));
         if (promised) {
-          const Promise& p = c.result.promises[m];
+          const PredictionBands& p = c.result.bands[m];
           csv.cell(p.known() ? p.band[o][i] : std::numeric_limits<double>::quiet_NaN());
         }
         csv.end_row();
@@ -134,8 +134,8 @@ std::string scene_comments(const Run& run, const FloorFit& c) {
 
 namespace {
 
-/// A drop's outputs side by side, drop_1 or validation_1, measured and simulated; lines where the simulation touches
-/// down and lifts off.
+/// A drop's outputs side by side, measured and simulated; vertical lines at simulated touchdowns and lift-offs. Named
+/// drop_1 or validation_1.
 Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std::size_t m) {
   const DropResult& result = fit.drops[m];
   const std::size_t number = m + 1;
@@ -151,9 +151,9 @@ Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std
       for (const double v : *values)
         if (std::isfinite(v)) low = std::min(low, v), high = std::max(high, v);
     for (const double t : result.jumps)
-      p.series.push_back({"", {t, t}, {low, high}, Series::Look::kFaint, Series::kGrey});
-    p.series.push_back({"", log.t, measured, Series::Look::kPoints, 0});
-    p.series.push_back({"", log.t, simulated, Series::Look::kLine, 1});
+      p.series.push_back({"", {t, t}, {low, high}, Series::Style::kFaint, Series::kGrey});
+    p.series.push_back({"", log.t, measured, Series::Style::kPoints, 0});
+    p.series.push_back({"", log.t, simulated, Series::Style::kLine, 1});
     out.panels.push_back(std::move(p));
   }
   out.columns = int(std::min<std::size_t>(4, out.panels.size()));
@@ -164,7 +164,7 @@ Figure drop_figure(const DropLog& log, const FloorFit& fit, const char* set, std
   return out;
 }
 
-/// What the tests of the floor find, a sentence each.
+/// Findings of the residual tests, a sentence each.
 std::vector<std::string> findings(const FloorFit& c) {
   std::vector<std::string> out;
   const identify::ResidualTests& tests = c.tests;
@@ -194,21 +194,21 @@ std::vector<std::string> findings(const FloorFit& c) {
   return out;
 }
 
-/// "outputs" and "drops" of the summary, as tables and, drop by drop, as figures.
+/// "outputs" and "drops" of the summary, their tables, and a figure of each drop.
 void report_drops(const FitTexts& c, const char* set, Report& report, Json& summary, Run& run) {
-  const Table outputs(output_quantities(c), measured(c.result));
+  const Table outputs(output_quantities(c), measured_outputs(c.result));
   summary["outputs"] = outputs.keyed();
   (void)add_table(outputs, report, run);
   summary[words(c.result.logs_of).many] = add_table(Table(drop_quantities(c.result), c.result.drops), report, run);
-  constexpr std::size_t kMost = 12;
-  for (std::size_t m = 0; m < std::min(kMost, c.logs.size()); ++m)
+  constexpr std::size_t kMaxFigures = 12;
+  for (std::size_t m = 0; m < std::min(kMaxFigures, c.logs.size()); ++m)
     report.figure(drop_figure(*c.logs[m], c.result, set, m));
 }
 
-constexpr double kAboveNoise = 2;  // what a residual of drops that are not fitted may come to, times the noise
+constexpr double kMaxRmsOverNoise = 2;  // of drops that were not fitted
 
-/// The largest rms of an output over its noise; NaN where none is known.
-double above_noise(const FloorFit& c) {
+/// Largest rms / noise over the outputs; NaN where no noise is known.
+double rms_over_noise(const FloorFit& c) {
   double out = std::nan("");
   for (std::size_t o = 0; o < std::min(c.rms.size(), c.noise.size()); ++o)
     if (c.noise[o] > 0) out = std::fmax(out, c.rms[o] / c.noise[o]);
@@ -232,12 +232,12 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
     for (const std::string& w : validation->result.warnings) run.warn("validation: " + w);
     if (!validation->result.converged) run.warn("validation: " + validation->result.message), converged = false;
   }
-  begin(c, constant_quantities(), report, summary, run);
+  begin_report(c, constant_quantities(), report, summary, run);
   if (!fitted.runs.empty()) summary["runs"] = fitted.runs;
   for (std::size_t r = 0; r < fitted.runs.size(); ++r) run.say(fmt::format("@{}: {}", r + 1, fitted.runs[r]));
-  const std::string stated = errors_in_words(c);
-  run.say("errors of what is not fitted, standard deviations (--errors): " + stated);
-  (void)report_shares(c, "as far as its error is stated (" + stated + ")", report, summary, run);
+  const std::string error_words = errors_in_words(c);
+  run.say("errors of what is not fitted, standard deviations (--errors): " + error_words);
+  (void)report_error_shares(c, "as far as its error is stated (" + error_words + ")", report, summary, run);
   summary["trusted"] = c.trusted();
   summary["steps"] = c.steps;
   report.heading(fmt::format("Does the {} explain the {}?", texts.model, texts.many));
@@ -256,30 +256,31 @@ int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Do
   }
   for (const auto& [name, text] : files) run.add(name, text);
   run.add("fit.csv", samples_csv(run, fitted));
-  FirstScreen first = first_screen(c, fmt::format("{} {}", c.drops.size(), texts.many));
-  first.checks.push_back(
+  FirstScreen screen = first_screen(c, fmt::format("{} {}", c.drops.size(), texts.many));
+  screen.checks.push_back(
       check(!c.tests.model_rejected(), fmt::format("the {} explains the {}", texts.model, texts.many), ""));
-  const double above = validation ? above_noise(validation->result) : std::nan("");
-  const bool holds = !(above > kAboveNoise);
-  first.checks.push_back(std::isnan(above) ? Check{Check::State::kUnknown, std::string("held-out ") + texts.one,
-                                                   validation ? "played: see Validation" : "none: --validate names one"}
-                                           : check(holds, std::string("held-out ") + texts.one,
-                                                   fmt::format("largest residual {:.2g} times the noise", above)));
-  if (validation) summary["validation"]["times_noise"] = number(above);
-  first.next = texts.next;
-  report.answer(first, run.warnings());
+  const double ratio = validation ? rms_over_noise(validation->result) : std::nan("");
+  const bool holds = !(ratio > kMaxRmsOverNoise);
+  screen.checks.push_back(std::isnan(ratio)
+                              ? Check{Check::State::kUnknown, std::string("held-out ") + texts.one,
+                                      validation ? "played: see Validation" : "none: --validate names one"}
+                              : check(holds, std::string("held-out ") + texts.one,
+                                      fmt::format("largest residual {:.2g} times the noise", ratio)));
+  if (validation) summary["validation"]["times_noise"] = number(ratio);
+  screen.next = texts.next;
+  report.answer(screen, run.warnings());
   report.write(run);
   return run.finish(summary, converged && (doubt == Doubt::kReport || (c.trusted() && holds)) ? kDone : kNumbers);
 }
 
 namespace {
 
-/// A contact that touches its surface, from when to when: changes of the trial's DropResult.
+/// Time of contact of a contact point; touchdown and liftoff are indices into DropResult::changes of the trial.
 struct SimulatedStance {
   std::size_t trial;  ///< counts from 1
   int contact;
-  std::optional<std::size_t> touchdown, liftoff;  ///< absent: before the trial's first row, after its last
-  std::optional<std::size_t> left;                ///< the contact's liftoff before
+  std::optional<std::size_t> touchdown, liftoff;  ///< absent: before the first row; after the last
+  std::optional<std::size_t> previous_liftoff;    ///< the contact's last liftoff before, as index
 };
 std::vector<SimulatedStance> simulated_stances(const FloorFit& c) {
   std::vector<SimulatedStance> out;
@@ -310,9 +311,9 @@ Quantities<SimulatedStance> stance_quantities(const FloorFit& c, const std::vect
                      if (!(s.*to) || (from && !(s.*from))) return {};
                      return number(changes[*(s.*to)].t - (from ? changes[*(s.*from)].t : 0));
                    }});
-    if (c.promises.empty()) return;
+    if (c.bands.empty()) return;
     out.push_back({key + "_band", key + "_band", "+- [s]", "{:.4f}", [&c, from, to](const SimulatedStance& s) -> Json {
-                     const Promise& p = c.promises[s.trial - 1];
+                     const PredictionBands& p = c.bands[s.trial - 1];
                      if (!p.known() || !(s.*to) || (from && !(s.*from))) return {};
                      return number(from ? p.half_band(*(s.*from), *(s.*to)) : p.half_band(*(s.*to)));
                    }});
@@ -320,7 +321,7 @@ Quantities<SimulatedStance> stance_quantities(const FloorFit& c, const std::vect
   add("touchdown", "touches from", nullptr, &SimulatedStance::touchdown),
       add("liftoff", "to", nullptr, &SimulatedStance::liftoff);
   add("duration", "for", &SimulatedStance::touchdown, &SimulatedStance::liftoff);
-  add("flight", "after a flight of", &SimulatedStance::left, &SimulatedStance::touchdown);
+  add("flight", "after a flight of", &SimulatedStance::previous_liftoff, &SimulatedStance::touchdown);
   return out;
 }
 
@@ -332,22 +333,22 @@ Quantities<std::size_t> baseline_quantities(const FloorFit& c, const std::vector
           {"", "unit", "unit", {}, [&c](auto& o) { return c.channels[o].unit; }}};
 }
 
-/// What the robot says of each output beside predictions that know no physics; the line of the checklist.
+/// Compares each output's residual with those of predictions without physics. Returns the line of the checklist.
 Check report_baselines(const FitTexts& played, Report& report, Json& summary, Run& run) {
   const std::vector<Baseline> all = baselines(played.result, played.logs);
-  std::vector<std::size_t> known;
-  std::vector<std::string> unbeaten;
+  std::vector<std::size_t> outputs;
+  std::vector<std::string> not_beaten;
   for (std::size_t o = 0; o < all.size(); ++o) {
     if (!all[o].known()) continue;
-    known.push_back(o);
+    outputs.push_back(o);
     if (all[o].beaten()) continue;
     const bool by_mean = all[o].model >= all[o].mean;
-    unbeaten.push_back(played.result.channels[o].name);
-    run.warn(fmt::format("{}: {} is nearer than the robot: {:.3g} against {:.3g} {} rms", unbeaten.back(),
+    not_beaten.push_back(played.result.channels[o].name);
+    run.warn(fmt::format("{}: {} is nearer than the robot: {:.3g} against {:.3g} {} rms", not_beaten.back(),
                          by_mean ? "the mean of the other trials" : "the first value held",
                          by_mean ? all[o].mean : all[o].held, all[o].model, played.result.channels[o].unit));
   }
-  const Table table(baseline_quantities(played.result, all), known);
+  const Table table(baseline_quantities(played.result, all), outputs);
   summary["baselines"] = table.keyed();
   report.heading("Beside predictions that know no physics");
   report.paragraph(
@@ -355,25 +356,25 @@ Check report_baselines(const FitTexts& played, Report& report, Json& summary, Ru
       "other "
       "trials, which the robot does not.");
   (void)add_table(table, report, run);
-  return {unbeaten.empty() ? Check::State::kGood : Check::State::kCaution, "nearer than no physics",
-          unbeaten.empty() ? "" : fmt::format("not in {}", fmt::join(unbeaten, ", "))};
+  return {not_beaten.empty() ? Check::State::kGood : Check::State::kCaution, "nearer than no physics",
+          not_beaten.empty() ? "" : fmt::format("not in {}", fmt::join(not_beaten, ", "))};
 }
 
-/// Whether the logs lie within the bands that were promised: the line of the checklist.
+/// Whether the logs lie within the 95 % bands of the constants' errors, as a line of the checklist.
 Check check_promises(const FitTexts& played, Run& run) {
-  constexpr double kLeast = 0.9;  // of the samples, where 95 % are promised
+  constexpr double kMinWithin = 0.9;  // share of samples within a 95 % band
   constexpr const char* kWhat = "within what its constants' errors promise";
-  const std::vector<Promise>& all = played.result.promises;
-  if (std::none_of(all.begin(), all.end(), [](const Promise& p) { return p.known(); }))
+  const std::vector<PredictionBands>& all = played.result.bands;
+  if (std::none_of(all.begin(), all.end(), [](const PredictionBands& p) { return p.known(); }))
     return {Check::State::kUnknown, kWhat, "no trial could be followed with other constants"};
-  std::vector<std::string> beyond;
-  for (const std::size_t o : measured(played.result))
-    if (const double within = within_band(played, o); within < kLeast) {
-      beyond.push_back(played.result.channels[o].name);
-      run.warn(fmt::format("{}: {:.0f} % of the log within the band that 95 % were promised for", beyond.back(),
+  std::vector<std::string> outside;
+  for (const std::size_t o : measured_outputs(played.result))
+    if (const double within = within_band(played, o); within < kMinWithin) {
+      outside.push_back(played.result.channels[o].name);
+      run.warn(fmt::format("{}: {:.0f} % of the log within the band that 95 % were promised for", outside.back(),
                            100 * within));
     }
-  return check(beyond.empty(), kWhat, beyond.empty() ? "" : fmt::format("not {}", fmt::join(beyond, ", ")));
+  return check(outside.empty(), kWhat, outside.empty() ? "" : fmt::format("not {}", fmt::join(outside, ", ")));
 }
 
 Quantities<ComparedStance> compared_quantities(const FloorFit& c, const std::vector<std::string>& contacts) {
@@ -396,7 +397,7 @@ Quantities<ComparedStance> compared_quantities(const FloorFit& c, const std::vec
   };
   add("stance", "stands for [s]", &Stance::duration, &ComparedStance::duration_of_others);
   add("flight", "flight before [s]", &Stance::flight, &ComparedStance::flight_of_others);
-  if (c.promises.empty()) return out;
+  if (c.bands.empty()) return out;
   for (const auto& [key, band] : {std::pair("touchdown_band", &ComparedStance::touchdown_band),
                                   {"stance_band", &ComparedStance::duration_band},
                                   {"flight_band", &ComparedStance::flight_band}})
@@ -425,13 +426,13 @@ Quantities<StanceErrors> error_quantities(const FloorFit& c, const std::vector<s
                                 {"stance", &StanceErrors::duration},
                                 {"flight", &StanceErrors::flight}}) {
     out.push_back({"", std::string(key) + "/count", [of = of](auto& e) { return (e.*of).count; }});
-    if (!c.promises.empty())
+    if (!c.bands.empty())
       out.push_back({"", std::string(key) + "/within_band", [of = of](auto& e) { return number((e.*of).within); }});
   }
   return out;
 }
 
-/// Measured landings beside those of the rollout; warns where the mean of the others is nearer.
+/// Compares measured landings with those of the rollout; warns where the mean of the others is nearer.
 void report_landings(const FitTexts& played, const ContactTimes& contacts, Report& report, Json& summary, Run& run) {
   if (contacts.errors.empty()) return;
   report.heading("Landings, measured beside predicted");
@@ -441,9 +442,9 @@ void report_landings(const FitTexts& played, const ContactTimes& contacts, Repor
       "below half of that. A flight below 10 ms is none. The mean of the other landings knows no physics.");
   const Table errors(error_quantities(played.result, contacts.names), contacts.errors);
   say(errors, run), report.table(errors), summary["landings"] = errors.keyed();
-  const Table each(compared_quantities(played.result, contacts.names), contacts.compared);
-  report.table(each);
-  run.add("landings.csv", each.csv(run,
+  const Table rows(compared_quantities(played.result, contacts.names), contacts.compared);
+  report.table(rows);
+  run.add("landings.csv", rows.csv(run,
                                    "a row a stance of a contact whose force the log has; t from each trial's first "
                                    "row; empty: not in the log, or the rollout has no such stance; flight: since the "
                                    "liftoff before; ..._of_others: mean of the other stances of the logs; ..._band: "
@@ -480,12 +481,12 @@ int report_prediction(const FitTexts& played, const ContactTimes& contacts, Run&
   }
   report_landings(played, contacts, report, summary, run);
   run.add("fit.csv", samples_csv(run, played));
-  FirstScreen first;
-  first.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
-  first.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
-  first.checks.push_back(nearer);
-  if (!c.promises.empty()) first.checks.push_back(check_promises(played, run));
-  report.answer(first, run.warnings());
+  FirstScreen screen;
+  screen.sentence = fmt::format("{} {} followed with given constants.", c.drops.size(), words(c.logs_of).many);
+  screen.checks.push_back(check(c.converged, "followed to the end", c.converged ? "" : c.message));
+  screen.checks.push_back(nearer);
+  if (!c.bands.empty()) screen.checks.push_back(check_promises(played, run));
+  report.answer(screen, run.warnings());
   report.write(run);
   return run.finish(summary, c.converged ? kDone : kNumbers);
 }

@@ -1,4 +1,4 @@
-// Calibrations as they are told, whatever fell.
+// Reports of calibrations, for the paper's robot and robots of links.
 #pragma once
 
 #include <functional>
@@ -13,28 +13,28 @@
 
 namespace ukemi::tools {
 
-/// A fit, and the logs that it is of.
+/// A fit and its logs.
 struct FitTexts {
   const FloorFit& result;
   std::vector<const landing::DropLog*> logs;
-  std::vector<std::string> runs = {};  ///< the files that constants NAME@1, NAME@2, ... are of; empty: there are none
+  std::vector<std::string> runs = {};  ///< files of constants NAME@1, NAME@2, ...; empty: none per file
 };
-/// What stands above a scene with fitted constants.
+/// Comments at the top of a scene file with fitted constants.
 std::string scene_comments(const Run& run, const FloorFit& fit);
-/// The whole of a calibration; `files` hold its scene, `laws` tells those that were tried. Returns the exit code.
+/// Writes a calibration and `files`; `laws` reports the contact laws that were tried. Returns the exit code.
 int report(const FitTexts& fitted, const std::optional<FitTexts>& validation, Doubt doubt,
            const std::map<std::string, std::string>& files, const std::function<void(Report&, Json&)>& laws, Run& run);
 
-/// When contacts touch: their names, and measured stances beside those of the rollout.
+/// Contact times: names of contacts, and measured stances compared with those of the rollout.
 struct ContactTimes {
   std::vector<std::string> names;
   std::vector<ComparedStance> compared;
   std::vector<StanceErrors> errors;
 };
-/// Logs played with given constants.
+/// Reports a rollout of logs with given constants. Returns the exit code.
 int report_prediction(const FitTexts& played, const ContactTimes& contacts, Run& run);
 
-/// `path`: the scene's file; empty: there is none, and none is written. `validation`: of drops that were not fitted.
+/// `path`: of the scene's file; empty: no scene is written. `validation`: drops that were not fitted.
 int report(const std::string& path, const BodyCalibratedDrops& fitted,
            const std::optional<BodyCalibratedDrops>& validation, Doubt doubt, Run& run);
 

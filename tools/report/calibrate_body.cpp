@@ -29,37 +29,37 @@ Quantities<TriedLaw> law_quantities() {
       {"", "rejected", "its own residuals", {}, [](auto& t) { return t.rejected ? "reject it" : "do not reject it"; }}};
 }
 
-/// Which law the drops ask for, and why.
+/// Which contact law the drops support best, and why.
 std::string finding(const BodyCalibration& c) {
-  const TriedLaw &given = c.laws.front(), &asked = c.laws[c.asked];
-  if (c.asked == 0)
+  const TriedLaw &given = c.laws.front(), &best = c.laws[c.best_law];
+  if (c.best_law == 0)
     return fmt::format("of {} laws that were tried none is better than the scene's ({}){}", c.laws.size(),
                        words(given.law),
                        given.rejected ? "; but its residuals reject it too: the floor is none of these" : "");
   return fmt::format(
       "the drops ask for another law: {}, not {}: BIC {:.0f} lower, residuals {:.3g} in place of {:.3g} times the "
       "logs' noise{}{}; {}",
-      words(asked.law), words(given.law), -asked.bic, asked.rms, given.rms,
-      std::isfinite(asked.held_out)
-          ? fmt::format(", of drops left out {:.3g} in place of {:.3g}", asked.held_out, given.held_out)
+      words(best.law), words(given.law), -best.bic, best.rms, given.rms,
+      std::isfinite(best.held_out)
+          ? fmt::format(", of drops left out {:.3g} in place of {:.3g}", best.held_out, given.held_out)
           : ", and no drop could be left out to test it",
-      asked.rejected ? "; its own residuals reject it too" : "",
-      c.own == c.asked ? "the constants and scene.toml are of that law" : "--law asked fits and writes it");
+      best.rejected ? "; its own residuals reject it too" : "",
+      c.scene_law == c.best_law ? "the constants and scene.toml are of that law" : "--law asked fits and writes it");
 }
 
-/// Laws as a table, in JSON and in words.
+/// Reports the tried laws: table, JSON, finding.
 void report_laws(const BodyCalibration& c, Report& report, Json& summary, Run& run) {
   if (c.laws.empty()) return;
   const Table laws(law_quantities(), c.laws);
   summary["laws"] = laws.objects();
-  summary["law"] = {{"given", words(c.laws.front().law)}, {"asked", words(c.laws[c.asked].law)}};
+  summary["law"] = {{"given", words(c.laws.front().law)}, {"asked", words(c.laws[c.best_law].law)}};
   summary["law_rejected"] = c.law_rejected();
   if (c.laws.size() < 2) return;
   report.heading("Which law do the drops ask for?");
   report.table(laws);
   const std::string text = finding(c);
   report.paragraph(text + ".");
-  if (c.asked == c.own)
+  if (c.best_law == c.scene_law)
     run.say(text);
   else
     run.warn(text);

@@ -35,7 +35,7 @@ const Quantities<ConstantDifference> kConstantQuantities = {
     {"inside_ci95", "inside_ci95", "nominal inside the 95 % interval", {}, inside},
 };
 
-/// A trial, and how each set predicts it.
+/// Columns of a trial: rms of its residual with each set.
 Quantities<identify::Trial> residual_quantities(const Comparison& c) {
   const auto rms = [&c](std::size_t set) {
     return [&c, set](const identify::Trial& trial) {
@@ -53,7 +53,7 @@ Quantities<identify::Trial> residual_quantities(const Comparison& c) {
 
 Quantities<MotionTexts> peak_quantities(bool rated) {
   const auto heading = [rated](const char* set) {
-    return fmt::format("{} with {} [{}]", worth_name(rated), set, worth_unit(rated));
+    return fmt::format("{} with {} [{}]", goal_name(rated), set, goal_unit(rated));
   };
   return {
       {"", "", "motion", {}, [](auto& m) { return fmt::format("best for {}: {}", m.set, m.words); }},
@@ -62,12 +62,12 @@ Quantities<MotionTexts> peak_quantities(bool rated) {
   };
 }
 
-/// Plans for scatter, where the identified constants are the truth.
+/// Columns of plans for scatter: promised value, and peaks with the identified constants as the truth.
 Quantities<PlanTexts> plan_quantities(bool rated) {
   Quantities<PlanTexts> out = {
       {"", "set", "planned with", {}, &PlanTexts::set},
       {"", "", "motion", {}, &PlanTexts::words},
-      {"", "promised", fmt::format("promised [{}]", worth_unit(rated)), short_peak_words, &PlanTexts::promised}};
+      {"", "promised", fmt::format("promised [{}]", goal_unit(rated)), short_peak_words, &PlanTexts::promised}};
   append(out, "truth/", distribution_quantities(), &PlanTexts::truth);
   return out;
 }
@@ -83,18 +83,18 @@ void warn(const Comparison& c, Run& run) {
         warn_of(landing_doubts(*m.landings[s]), run, fmt::format("best for {}, with {}: ", m.set, kSets[s]));
 }
 
-/// What planning with the nominal constants would have cost on the identified actuator.
-FirstScreen lesson_of(const ComparisonTexts& c) {
-  const double own = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
-  const char* has = c.rated ? "has" : "hits with";
+/// How much worse the plan of the nominal constants is on the identified actuator.
+FirstScreen conclusion(const ComparisonTexts& c) {
+  const double best = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
+  const char* verb = c.rated ? "has" : "hits with";
   return {
       fmt::format("Planned with the nominal constants, {} {} {} where {:.4g} was promised: {:.2f} times the {} of the "
                   "motion planned with its own constants.",
-                  c.truth, has, worth_words(nominal, c.rated), promised, nominal / own, worth_words(own, c.rated)),
+                  c.truth, verb, goal_text(nominal, c.rated), promised, nominal / best, goal_text(best, c.rated)),
       {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
-             fmt::format("promised {}, {} {:.4g}", worth_words(promised, c.rated), has, nominal)),
-       check(nominal <= kWorse * own, "the nominal constants are good enough",
-             fmt::format("{:.2f} times the {} of the own plan", nominal / own, worth_name(c.rated)))},
+             fmt::format("promised {}, {} {:.4g}", goal_text(promised, c.rated), verb, nominal)),
+       check(nominal <= kWorse * best, "the nominal constants are good enough",
+             fmt::format("{:.2f} times the {} of the own plan", nominal / best, goal_name(c.rated)))},
       "`ukemi optimize` with the identified actuator plans the landing."};
 }
 
@@ -128,7 +128,7 @@ ComparisonTexts texts_of(const Comparison& c) {
 
 }  // namespace
 
-Report comparison_page(const OfSets<std::string>& names, const Run& run) {
+Report comparison_page(const PerSet<std::string>& names, const Run& run) {
   Report report("Identified against nominal");
   report.paragraph("nominal: " + names[0] + "; identified: " + names[1]);
   report.distrust(run.warnings());
@@ -162,9 +162,9 @@ void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run
   report.heading((c.rated ? "Largest load" : "Peak " + c.peak) + " on " + c.scene);
   floor_source(report, c.source);
   (void)add_table(peaks, report, run);
-  const FirstScreen lesson = lesson_of(c);
-  run.say(lesson.sentence);
-  report.answer(lesson, run.warnings());
+  const FirstScreen screen = conclusion(c);
+  run.say(screen.sentence);
+  report.answer(screen, run.warnings());
 }
 
 int report(const Comparison& c, Json summary, Run& run) {

@@ -1,4 +1,4 @@
-// Two sets of constants side by side as a reader sees them, of either kind of robot.
+// Reports comparing two sets of constants, for both kinds of robot.
 #pragma once
 
 #include <optional>
@@ -15,26 +15,26 @@ namespace ukemi::tools {
 struct MotionTexts {
   std::string set, words;
   Json numbers;
-  std::optional<Json> tolerant_peak;  ///< absent: not told
-  OfSets<double> peaks;               ///< with each set, or largest loads; without meaning unless all landed
+  std::optional<Json> tolerant_peak;  ///< absent: not reported
+  PerSet<double> peaks;               ///< with each set, or largest loads; valid only if all landed
 };
-/// A plan for scattered drops, and what it comes to with the identified constants.
+/// A plan for scattered drops and its peaks with the identified constants.
 struct PlanTexts {
   std::string set, words;
   double promised;
   landing::Distribution truth;
 };
 struct ComparisonTexts {
-  std::string scene, source;  ///< names; source: of the floor's constants
-  std::string peak;           ///< how its acceleration is called
-  std::string truth;          ///< what has the identified constants: "the identified actuator"
+  std::string scene, source;  ///< name; where the floor's constants come from
+  std::string peak;           ///< symbol of the acceleration: "|ddr_0|"
+  std::string truth;          ///< the system with the identified constants: "the identified actuator"
   std::vector<MotionTexts> motions;
   std::vector<PlanTexts> plans;
-  bool landed;         ///< all four landings were played
-  bool rated = false;  ///< what counts is a load / its rating
+  bool landed;         ///< whether all four landings were played
+  bool rated = false;  ///< peaks are loads divided by their ratings
 };
 
-/// The motions of a comparison that were found; `worth(set, landing)`.
+/// Texts of the motions that were found; `worth(set, landing)`: value of the goal.
 template <class Motion, class Words, class Numbers, class Worth>
 std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&& words, Numbers&& numbers,
                                       Worth&& worth) {
@@ -48,7 +48,7 @@ std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&
   return out;
 }
 
-/// Warns of what a search or a landing did not reach; `point`: what a robot meets the floor with.
+/// Warns of failed searches and landings; `point`: what touches the floor, "point" or "contact".
 template <class Motion>
 void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run& run) {
   for (const Motion& m : motions)
@@ -58,11 +58,11 @@ void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run&
       if (l && no_landing(l->end)) run.warn(failure_words(*l, point));
 }
 
-/// The page of a comparison, with what is to be distrusted of it.
-Report comparison_page(const OfSets<std::string>& names, const Run& run);
-/// The constants: parameters.csv, on the terminal, on the page, in the summary.
+/// Begins the page of a comparison, with the run's warnings.
+Report comparison_page(const PerSet<std::string>& names, const Run& run);
+/// Reports the constants on terminal, page and summary, and writes parameters.csv.
 void report_constants(const std::vector<ConstantDifference>& constants, Json& summary, Report& report, Run& run);
-/// Motions and plans, then where all landed their peaks in both directions and the lesson of them.
+/// Reports motions and plans and, where all landed, the peak of each motion with each set and the conclusion.
 void report_motions(const ComparisonTexts& comparison, Json& summary, Report& report, Run& run);
 
 }  // namespace ukemi::tools

@@ -47,7 +47,7 @@ ComparisonTexts texts_of(const BodyComparison& c) {
 
 }  // namespace
 
-int report(const BodyComparison& c, const OfSets<std::string>& names, Run& run) {
+int report(const BodyComparison& c, const PerSet<std::string>& names, Run& run) {
   warn_of_motions(c.motions, "contact", run);
   Report report = comparison_page(names, run);
   Json summary;

@@ -22,13 +22,13 @@ namespace {
 
 std::string milliseconds(double seconds) { return fmt::format("{:.2f} ms", 1e3 * seconds); }
 
-std::size_t constant(const Knowledge& k, std::size_t i) { return std::size_t(k.constants[i]); }
-/// An uncertain constant, by its place among them; its relative 95 % half widths.
+std::size_t constant_index(const Knowledge& k, std::size_t i) { return std::size_t(k.constants[i]); }
+/// Columns of an uncertain constant, given by its index among them: relative 95 % half-widths.
 Quantities<std::size_t> error_bar_quantities(const Knowledge& k, const Design& d) {
   return {
-      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
-      {"", "value", "estimate", "{:.6g}", [&k](auto& i) { return constants(k.sea)[constant(k, i)]; }},
-      {"", "unit", "unit", {}, [&k](auto& i) { return kConstantUnits[constant(k, i)]; }},
+      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant_index(k, i)]; }},
+      {"", "value", "estimate", "{:.6g}", [&k](auto& i) { return constants(k.sea)[constant_index(k, i)]; }},
+      {"", "unit", "unit", {}, [&k](auto& i) { return kConstantUnits[constant_index(k, i)]; }},
       {"", "half_width_before", "95 % before", half_width_words, [&d](auto& i) { return d.before[long(i)]; }},
       {"", "half_width_after", "95 % after, predicted", half_width_words,
        [&d](auto& i) { return d.hits.empty() ? NAN : d.after[long(i)]; }},
@@ -36,7 +36,7 @@ Quantities<std::size_t> error_bar_quantities(const Knowledge& k, const Design& d
 }
 Quantities<std::size_t> check_quantities(const Knowledge& k, const DesignCheck& c) {
   return {
-      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant(k, i)]; }},
+      {"", "", "constant", {}, [&k](auto& i) { return kConstantNames[constant_index(k, i)]; }},
       {"", "std_predicted", "standard error, predicted", half_width_words,
        [&c](auto& i) { return c.constants[i].predicted; }},
       {"", "scatter", "scatter of the refits", half_width_words, [&c](auto& i) { return c.constants[i].scatter; }},
@@ -46,7 +46,7 @@ Quantities<std::size_t> check_quantities(const Knowledge& k, const DesignCheck& 
       {"", "", "of", {}, [&c](auto&) { return c.repeats; }},
   };
 }
-std::vector<std::size_t> places(const Knowledge& k) {
+std::vector<std::size_t> indices(const Knowledge& k) {
   std::vector<std::size_t> out(k.constants.size());
   std::iota(out.begin(), out.end(), std::size_t(0));
   return out;
@@ -78,21 +78,21 @@ std::string force_csv(const Run& run, const Trial& log) {
   return csv.text();
 }
 
-/// The proposal over the hits in hand.
+/// Plots the proposed hits over those in hand.
 void plot_hits(Report& report, const DesignQuestion& question, const Design& d, const std::vector<Trial>& logs) {
   const Fit motion = predict(question.rig, logs, question.knowledge.sea);
   std::vector<Series> forces, angles;
-  const double until = logs.empty() || logs[0].t.empty() ? 0 : logs[0].t.back();
+  const double t_end = logs.empty() || logs[0].t.empty() ? 0 : logs[0].t.back();
   for (const Trial& t : question.trials) {
     const bool first = &t == &question.trials.front();
-    const auto faint = [&](const std::vector<double>& y) {
-      Series s{first ? "in hand" : "", {}, {}, Series::Look::kFaint, Series::kGrey};
-      for (std::size_t i = 0; i < y.size() && t.t[i] - t.t[0] <= until; ++i)
+    const auto faint_curve = [&](const std::vector<double>& y) {
+      Series s{first ? "in hand" : "", {}, {}, Series::Style::kFaint, Series::kGrey};
+      for (std::size_t i = 0; i < y.size() && t.t[i] - t.t[0] <= t_end; ++i)
         s.x.push_back(t.t[i] - t.t[0]), s.y.push_back(y[i]);
       return s;
     };
-    if (t.force_t.empty()) forces.push_back(faint(t.force));
-    angles.push_back(faint(t.phi));
+    if (t.force_t.empty()) forces.push_back(faint_curve(t.force));
+    angles.push_back(faint_curve(t.phi));
   }
   for (std::size_t i = 0; i < logs.size(); ++i) {
     forces.push_back({words(d.hits[i].hit), logs[i].t, logs[i].force});
@@ -122,8 +122,8 @@ Quantities<RunnerUp> runner_up_quantities(const Design& d) {
   };
 }
 
-Json check_of(Report& report, const Knowledge& k, const DesignCheck& c, const Run& run) {
-  const Table constants(check_quantities(k, c), places(k));
+Json report_check(Report& report, const Knowledge& k, const DesignCheck& c, const Run& run) {
+  const Table constants(check_quantities(k, c), indices(k));
   const std::string verdict = fmt::format(
       "{} experiments simulated at the estimate and refitted, {} failed: the "
       "predicted bars {}",
@@ -144,7 +144,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   const bool found = d.status == Design::Status::kDone, agrees = !answer.check || answer.check->agrees;
   if (!found) run.warn(d.message);
   if (!agrees) run.warn("the simulated experiments scatter otherwise than predicted: see the check");
-  const Table bars(error_bar_quantities(k, d), places(k)), hits(hit_quantities(d, o), d.hits);
+  const Table bars(error_bar_quantities(k, d), indices(k)), hits(hit_quantities(d, o), d.hits);
   Report report("The next hits");
   report.distrust(run.warnings());
   report.heading("Error bars, 95 %, relative");
@@ -177,7 +177,7 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
     report.heading("Runners-up");
     report.table(others);
     summary["runners_up"] = others.objects();
-    if (answer.check) summary["check"] = check_of(report, k, *answer.check, run);
+    if (answer.check) summary["check"] = report_check(report, k, *answer.check, run);
   }
   FirstScreen first{.sentence = d.message};
   if (found)

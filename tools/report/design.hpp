@@ -1,4 +1,4 @@
-// The results of `ukemi design` as they are written.
+// Reports of `ukemi design`.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ namespace ukemi::tools {
 
 extern const Outputs kDesignOutputs;
 
-/// "± 3.2 %", "not determined".
+/// "± 3.2 %" of a relative half-width [1]; "not determined" where it is not finite.
 std::string half_width_words(double relative);
-/// Adds to a summary that holds what was read, writes the files, returns the exit code.
+/// Completes `summary`, which holds what was read, and writes the files. Returns the exit code.
 int report(const DesignQuestion& question, const DesignAnswer& answer, Json summary, Run& run);
 
-/// The same of a robot of links.
+/// Design of trials for a robot of links.
 int report(const RobotDesign& design, Run& run);
 
 }  // namespace ukemi::tools

@@ -1,4 +1,4 @@
-// Where the errors of a fit come from: the logs' noise, and what the rig states.
+// Error budget of a fit: the logs' noise and the rig's stated errors.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -16,7 +16,7 @@ using identify::RigErrorKey;
 
 namespace {
 
-/// "inertia 1 %, ..., delay 1 ms".
+/// The rig's stated errors: "inertia 1 %, ..., delay 1 ms".
 std::string errors_in_words(const Rig& rig) {
   std::vector<std::string> out;
   for (const auto& [key, at, unit] : identify::rig_error_keys())
@@ -26,25 +26,25 @@ std::string errors_in_words(const Rig& rig) {
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 
-/// The term that the rig states an error of under this key, or that was fitted and ended at its bound.
+/// The term of a source of error: a key of the rig's [errors], or the name of a fitted term; null: none.
 const identify::RigTerm* term_of(const std::string& source) {
   for (const identify::RigTerm& t : identify::rig_terms())
     if ((t.error && t.error->key == source) || t.name == source) return &t;
   return nullptr;
 }
 
-/// What makes most of the error of the constant that is known least, and what to do about it.
+/// The largest source of error of the constant with the largest relative error, and how to reduce it.
 std::string what_to_measure(const Fit& fit, const std::vector<ErrorBudget>& budget) {
   const auto relative = [&](const ErrorBudget& b) {
     const identify::Estimate* e = find_constant(fit, b.constant);
     return e->half_width() / std::abs(e->value);
   };
-  const ErrorBudget& least =
+  const ErrorBudget& worst =
       *std::max_element(budget.begin(), budget.end(), [&](auto& a, auto& b) { return relative(a) < relative(b); });
   const auto& [source, share] =
-      *std::max_element(least.shares.begin(), least.shares.end(), [](auto& a, auto& b) { return a.second < b.second; });
+      *std::max_element(worst.shares.begin(), worst.shares.end(), [](auto& a, auto& b) { return a.second < b.second; });
   const std::string text = fmt::format("{} is known least, within {:.2g} %: {:.0f} % of its variance is {}",
-                                       least.constant, 100 * relative(least), 100 * share, source);
+                                       worst.constant, 100 * relative(worst), 100 * share, source);
   const identify::RigTerm* term = term_of(source);
   if (!term || term->measure.empty()) return text + ": more hits, or harder ones, say more (`ukemi design`)";
   const bool fitted = std::ranges::count(fit.fitted, term->name) > 0;
@@ -64,8 +64,8 @@ std::string experiments(const std::vector<std::string>& terms) {
 void report_error_budget(const Rig& rig, const Fit& fit, Report& report, Json& summary, Run& run) {
   for (const auto& [key, at, unit] : identify::rig_error_keys()) summary["rig_errors"][key] = rig.errors.*at;
   run.say("errors of the rig, standard deviations ([errors] of its file): " + errors_in_words(rig));
-  const std::vector<ErrorBudget> budget =
-      report_shares(fit, "as far as the rig states its error (" + errors_in_words(rig) + ")", report, summary, run);
+  const std::vector<ErrorBudget> budget = report_error_shares(
+      fit, "as far as the rig states its error (" + errors_in_words(rig) + ")", report, summary, run);
   if (budget.empty() || fit.considered.empty()) return;
   const std::string advice = what_to_measure(fit, budget);
   run.say(advice), report.paragraph(advice + ".");

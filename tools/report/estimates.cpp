@@ -61,7 +61,7 @@ Json nuisance_json(const std::vector<Estimate>& nuisance) {
 
 namespace {
 
-/// Row by row, null where it is not a number.
+/// A matrix as an array of rows; null for NaN and infinities.
 Json matrix_json(const Eigen::MatrixXd& m) {
   Json rows = Json::array();
   for (long i = 0; i < m.rows(); ++i) {
@@ -71,7 +71,7 @@ Json matrix_json(const Eigen::MatrixXd& m) {
   return rows;
 }
 
-/// A section with the table.
+/// Adds a section with the correlation matrix.
 void add_correlations(Report& report, const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
   report.heading("Correlations");
   std::vector<std::vector<double>> rows;
@@ -99,13 +99,13 @@ FirstScreen first_screen(const identify::Estimates& fit, const std::string& from
           ""};
 }
 
-void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantities, Report& report, Json& summary,
-           Run& run) {
+void begin_report(const identify::Estimates& fit, const Quantities<Estimate>& quantities, Report& report, Json& summary,
+                  Run& run) {
   std::vector<Estimate> all = fit.parameters;
   all.insert(all.end(), fit.nuisance.begin(), fit.nuisance.end());
   const bool none_fitted = std::ranges::none_of(fit.parameters, &Estimate::free);
-  std::vector<Estimate> of_all_trials;  // what was fitted for them
-  std::ranges::copy_if(all, std::back_inserter(of_all_trials),
+  std::vector<Estimate> shared;  // fitted terms of all trials
+  std::ranges::copy_if(all, std::back_inserter(shared),
                        [&](const Estimate& e) { return (e.free || none_fitted) && e.trial < 0; });
   summary["parameters"] = Table(quantities, fit.parameters).keyed();
   summary["nuisance"] = nuisance_json(fit.nuisance);
@@ -118,15 +118,15 @@ void begin(const identify::Estimates& fit, const Quantities<Estimate>& quantitie
   summary["eigenvalues"] = std::vector<double>(fit.eigenvalues.begin(), fit.eigenvalues.end());
   report.distrust(run.warnings());
   report.heading("Constants");
-  say(Table(quantities, of_all_trials), run);
-  if (const std::size_t more = all.size() - of_all_trials.size(); more > 0)
-    run.say(fmt::format("{} more, as given or of one log alone: see summary.json", more));
+  say(Table(quantities, shared), run);
+  if (const std::size_t omitted = all.size() - shared.size(); omitted > 0)
+    run.say(fmt::format("{} more, as given or of one log alone: see summary.json", omitted));
   report.table(Table(quantities, all));
   if (fit.correlation.rows() > 1) add_correlations(report, fit.fitted, fit.correlation);
 }
 
-std::vector<identify::ErrorBudget> report_shares(const identify::Estimates& fit, const std::string& stated,
-                                                 Report& report, Json& summary, Run& run) {
+std::vector<identify::ErrorBudget> report_error_shares(const identify::Estimates& fit, const std::string& stated,
+                                                       Report& report, Json& summary, Run& run) {
   using identify::ErrorBudget;
   const std::vector<ErrorBudget> budget = identify::error_budget(fit);
   Json& j = summary["error_budget"] = Json::object();

@@ -16,23 +16,23 @@ using namespace landing;
 
 namespace {
 
-/// A number as YAML 1.1 knows one: with a point, or "1e-05" is a text and "0" an integer.
+/// A number as a YAML 1.1 float, with a decimal point: "1e-05" would be a string and "0" an integer.
 std::string yaml_number(double value) {
   std::string text = shortest(value);
   if (text.find('.') == text.npos) text.insert(std::min(text.find('e'), text.size()), ".0");
   return text;
 }
 
-/// What a joint plays, by its name and its angle in messages.
+/// Motion of a joint with the joint's name and angle convention in messages.
 struct NamedMotion {
   std::string joint;
   Motion motion;
-  double sign = 1, zero = 0;  ///< the message has zero + sign phi
-  bool own() const { return sign < 0 || zero != 0; }
+  double sign = 1, zero = 0;  ///< angle in messages: zero + sign phi [rad]
+  bool has_own_angle() const { return sign < 0 || zero != 0; }
 };
 using NamedMotions = std::vector<NamedMotion>;
 
-/// f(i), i below n, between commas.
+/// f(0), ..., f(n - 1) separated by commas.
 template <class F>
 std::string listed(std::size_t n, F&& f) {
   std::string out;
@@ -40,7 +40,7 @@ std::string listed(std::size_t n, F&& f) {
   return out;
 }
 
-/// A trajectory_msgs/msg/JointTrajectory. `points`: of each joint, at the same times.
+/// A trajectory_msgs/msg/JointTrajectory as YAML. `points`: of each joint, at common times.
 std::string joint_trajectory(const NamedMotions& joints, const std::vector<std::vector<Waypoint>>& points,
                              const std::string& comments) {
   CsvWriter head;
@@ -67,17 +67,17 @@ std::string joint_trajectory(const NamedMotions& joints, const std::vector<std::
   return text;
 }
 
-/// Which angles are not those of ukemi's files.
+/// Which angles differ from those of ukemi's files.
 std::string own_angle_words(const NamedMotions& joints) {
   std::string out;
   for (const NamedMotion& j : joints)
-    if (j.own())
+    if (j.has_own_angle())
       out += fmt::format("{}q = {}{}phi of {}", out.empty() ? "" : ", ", j.zero == 0 ? "" : shortest(j.zero) + " rad ",
                          j.sign > 0 ? "+ " : (j.zero == 0 ? "-" : "- "), j.joint);
   return out.empty() ? "" : "Positions are the angles q of the robot's description: " + out + ".\n";
 }
 
-/// What the reader of both messages must know.
+/// Comments that both messages begin with.
 std::string ros2_words(const NamedMotions& joints) {
   return fmt::format(
       "trajectory_msgs/msg/JointTrajectory of phi_ref, {}. Units: rad, rad/s, rad/s^2.\n"
@@ -89,7 +89,7 @@ std::string ros2_words(const NamedMotions& joints) {
       own_angle_words(joints));
 }
 
-/// Factors of the gains, which the message has no place for.
+/// Factors of the gains, for which the message has no field.
 std::string gains_words(const NamedMotions& joints) {
   std::string out;
   for (const auto& [joint, m, sign, zero] : joints)
@@ -102,35 +102,35 @@ std::string gains_words(const NamedMotions& joints) {
 std::string landing_message(const NamedMotions& joints, double start, const Run& run) {
   std::vector<ReferencePiece<double>> pieces;
   for (const NamedMotion& j : joints) {
-    const Motion played = started_at(j.motion, start);
-    pieces.push_back(landing_of(played, played.phi_i, 0.0));
+    const Motion started = started_at(j.motion, start);
+    pieces.push_back(landing_of(started, started.phi_i, 0.0));
   }
   std::vector<std::vector<Waypoint>> points = waypoints(pieces);
-  const auto any = [&](auto&& of) { return std::any_of(joints.begin(), joints.end(), of); };
-  const bool air = any([](auto& j) { return j.motion.reposition.has_value(); });
+  const auto any_joint = [&](auto&& predicate) { return std::any_of(joints.begin(), joints.end(), predicate); };
+  const bool repositions = any_joint([](auto& j) { return j.motion.reposition.has_value(); });
   for (auto& of_joint : points)
-    if (air) of_joint.erase(of_joint.begin());
+    if (repositions) of_joint.erase(of_joint.begin());
   std::string words =
       run.provenance_text() + ros2_words(joints) +
       fmt::format("{} points: the motion {}.\n", points[0].size(),
-                  any([](auto& j) { return has_bumps(j.motion); }) ? fmt::format("within {:g} rad", kSplineMisfit)
-                                                                   : "itself, its duration rounded to 1 ns") +
+                  any_joint([](auto& j) { return has_bumps(j.motion); }) ? fmt::format("within {:g} rad", kSplineMisfit)
+                                                                         : "itself, its duration rounded to 1 ns") +
       "Send it when the first touchdown is detected; a zero stamp means now.";
-  if (air)
+  if (repositions)
     words +=
         "\nIt has no point at its start: the floor may cut the move in the air short, and the controller goes on from "
         "where its reference is.";
   return joint_trajectory(joints, points, words + gains_words(joints));
 }
 
-/// A joint that does not move in the air stands meanwhile.
+/// Message of the moves in the air; a joint without one is held meanwhile.
 std::string reposition_message(const NamedMotions& joints, const Run& run) {
   const auto moving = std::find_if(joints.begin(), joints.end(), [](auto& j) { return j.motion.reposition; });
   std::vector<ReferencePiece<double>> pieces;
   for (const NamedMotion& j : joints) {
-    ReferencePiece<double> standing = reposition_of(moving->motion);
-    standing.a = standing.b = j.motion.phi_i;
-    pieces.push_back(j.motion.reposition ? reposition_of(j.motion) : standing);
+    ReferencePiece<double> constant = reposition_of(moving->motion);
+    constant.a = constant.b = j.motion.phi_i;
+    pieces.push_back(j.motion.reposition ? reposition_of(j.motion) : constant);
   }
   return joint_trajectory(joints, waypoints(pieces),
                           run.provenance_text() + ros2_words(joints) +
@@ -138,7 +138,7 @@ std::string reposition_message(const NamedMotions& joints, const Run& run) {
                               "its place at the touchdown, whether it is over or not.");
 }
 
-/// The files of motions and the rows of their landing.
+/// Files of motions and of the trajectory of their landing.
 template <class Row>
 std::map<std::string, std::string> motion_files(const Exports& exports, const NamedMotions& joints, double start,
                                                 const RowColumns<Row>& columns, const std::vector<Row>& rows,

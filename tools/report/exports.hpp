@@ -1,4 +1,4 @@
-// Results as other programs read them, beside a verb's own files.
+// Exports of results for other programs: ROS 2, PlotJuggler, MuJoCo, Gazebo.
 #pragma once
 
 #include <map>
@@ -13,28 +13,28 @@
 
 namespace ukemi::tools {
 
-/// What is asked for.
+/// The requested exports.
 struct Exports {
   enum class Format {
     kRos2,         ///< trajectory_msgs/JointTrajectory, YAML
     kPlotJuggler,  ///< the landing's rows without comment lines
     kMjcf,         ///< the actuator as a model of MuJoCo
-    kUrdf,         ///< the same as URDF
+    kUrdf,         ///< the actuator as URDF
   };
   std::vector<Format> formats;
-  std::optional<std::string> joint;  ///< its name in the files; absent: knee, of a robot of links its own
+  std::optional<std::string> joint;  ///< name in the files; absent: knee, or the joint's own of a robot of links
 
   bool has(Format format) const;
 };
 
-/// The files of an actuator, by their names: its rig as a model.
+/// Files of an actuator by name: its rig as a model.
 std::map<std::string, std::string> exported(const Exports& exports, const Actuator& actuator, const RigLink& link,
                                             const Run& run);
-/// The files of a motion and its landing, by their names. `start`: when the landing motion is expected to start, from
-/// release, as landing::rows_of has it. Without a trajectory there is no file for PlotJuggler.
+/// Files of a motion and its landing by name. `start`: expected start of the landing motion, from release [s], as in
+/// landing::rows_of. Without a trajectory there is no file for PlotJuggler.
 std::map<std::string, std::string> exported(const Exports& exports, const landing::Motion& motion, double start,
                                             const landing::Landing& landing, const Run& run);
-/// The same of a robot of links, whose landing motions start as expected_start says.
+/// Files of a robot of links, whose landing motions start at expected_start().
 std::map<std::string, std::string> exported(const Exports& exports, const landing::BodyScene& scene,
                                             const landing::BodyMotion& motion, const landing::BodyLanding& landing,
                                             const Run& run);

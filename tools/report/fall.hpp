@@ -1,5 +1,5 @@
-// A fall as a reader sees it: the animation, the postures at the peaks (Fig. 6 of [1]) and what happens over time
-// (Fig. 7), with one number for each peak in all of them.
+// Figures of a fall: animation, postures at the peaks (Fig. 6 of [1]) and quantities over time (Fig. 7). A peak has the
+// same number in all of them.
 #pragma once
 
 #include <algorithm>
@@ -12,43 +12,42 @@
 
 namespace ukemi::tools {
 
-/// One of the landings that stand side by side.
+/// One of the landings shown side by side.
 struct Fall {
   std::string name;  ///< "held at -45 deg"
   const landing::Landing* landing;
-  std::vector<landing::Landing> ghosts{};  ///< of the same motion in other drops, thin beside it
+  std::vector<landing::Landing> ghosts{};  ///< the same motion in other drops, drawn thin
 };
 
 struct Falls {
   const landing::Scene& scene;
-  const Actuator& actuator;     ///< its ratings and its motor's inertia are those of the figures
-  std::vector<Fall> falls;      ///< the first is the one that the reader asked for
-  std::optional<double> limit;  ///< of the peak, see landing::TouchdownLimit [m/s^2]
-  std::string data;             ///< the CSV that holds the numbers; empty: none does
-  enum class Figures { kDraw, kLeaveOut } figures = Figures::kDraw;  ///< kLeaveOut: nor the animation
+  const Actuator& actuator;     ///< ratings and rotor inertia for the figures
+  std::vector<Fall> falls;      ///< the first is the requested one
+  std::optional<double> limit;  ///< lower bound of the peak, see landing::TouchdownLimit [m/s^2]
+  std::string data;             ///< name of the CSV with the numbers; empty: none
+  enum class Figures { kDraw, kLeaveOut } figures = Figures::kDraw;  ///< and the animation
 };
 
-/// The animation and the figures. Falls without a trajectory are left out.
+/// Adds animation and figures. Falls without a trajectory are left out.
 void show(const Falls& falls, Report& report);
 
-/// "①", as the page's script writes it too.
+/// "①", as fall.js has it.
 std::string circled(std::size_t n);
 /// A figure over the time from release, with a cursor that all such figures share.
 Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series);
-/// The numbers of the peaks, where they are.
+/// Marks the peaks with their numbers.
 void add_marks(Panel& panel, const std::vector<landing::Peak>& peaks, int colour);
-/// The row at a time, the one of the largest acceleration where there are two.
+/// The first row at or after a time; rows are sorted by time.
 template <class Sample>
 const Sample& row_at(const std::vector<Sample>& rows, double t) {
   const auto after = std::lower_bound(rows.begin(), rows.end(), t, [](const Sample& s, double x) { return s.t < x; });
   return after == rows.end() ? rows.back() : *after;
 }
 
-/// Fig. 6 and 7 of [1] in one picture, as a file: the postures at the peaks above the acceleration, on which their
-/// numbers stand.
+/// Fig. 6 and 7 of [1] in one figure, for a file: the postures at the peaks above the acceleration.
 Figure fall_picture(Panel postures, Figure acceleration);
 
-/// Kinetic and gravitational energy of both links, at a row of a trajectory [J].
+/// Kinetic and potential energy of both links [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);
 
 /// Names of every figure of a fall.

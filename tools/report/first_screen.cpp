@@ -18,7 +18,7 @@ using State = Check::State;
 
 namespace {
 
-/// A state's class in style.css, its symbol and its word.
+/// Class in style.css, symbol and word of a state.
 struct Sign {
   const char *css, *symbol, *word;
 };
@@ -42,8 +42,8 @@ std::string item(const Check& c) {
                      prose(c.what), s.word, c.words.empty() ? "" : " — " + prose(c.words));
 }
 
-/// What inexact playing costs, as `warn` judges it.
-Check inexactly(const landing::Answer& a) {
+/// The worst peak within the execution tolerance, judged as in optimize.cpp's `warn`.
+Check inexact_execution_check(const landing::Answer& a) {
   constexpr const char* kWhat = "holds when played inexactly";
   const double worst = a.best.tolerant.value;
   if (!a.tolerant_known) return {State::kUnknown, kWhat, "not played"};
@@ -55,8 +55,8 @@ Check inexactly(const landing::Answer& a) {
 
 }  // namespace
 
-Check check(bool right, const std::string& what, const std::string& words) {
-  return {right ? State::kGood : State::kBad, what, words};
+Check check(bool passed, const std::string& what, const std::string& words) {
+  return {passed ? State::kGood : State::kBad, what, words};
 }
 
 Check within_ratings(const std::optional<landing::Ratings>& ratings) {
@@ -64,11 +64,11 @@ Check within_ratings(const std::optional<landing::Ratings>& ratings) {
   if (!ratings) return {State::kUnknown, kWhat, "the landing was not played"};
   const landing::Ratings& r = *ratings;
   const double speed = std::max(r.reference_rate, r.demands.motor_speed);
-  const auto of = [](const std::optional<double>& rated, const char* unit) {
+  const auto rating_words = [](const std::optional<double>& rated, const char* unit) {
     return rated ? fmt::format(" of {:.3g} {}", *rated, unit) : fmt::format(" {}, rating unknown", unit);
   };
-  const std::string words = fmt::format("speed {:.3g}{}; torque {:.3g}{}", speed, of(r.speed_max, "rad/s"),
-                                        r.demands.motor_torque, of(r.motor_torque_max, "Nm"));
+  const std::string words = fmt::format("speed {:.3g}{}; torque {:.3g}{}", speed, rating_words(r.speed_max, "rad/s"),
+                                        r.demands.motor_torque, rating_words(r.motor_torque_max, "Nm"));
   const State state = r.too_fast() || r.too_strong()      ? State::kBad
                       : r.speed_max && r.motor_torque_max ? State::kGood
                                                           : State::kUnknown;
@@ -89,15 +89,15 @@ Check converged(const landing::Sensitivity& s, bool wrong) {
                       s.sensitive ? "; a slightly different drop lands otherwise" : "")};
 }
 
-const char* worth_name(bool rated) { return rated ? "largest load" : "peak"; }
-const char* worth_unit(bool rated) { return rated ? "of the rating" : "m/s^2"; }
-std::string worth_words(double value, bool rated) { return fmt::format("{:.4g} {}", value, worth_unit(rated)); }
+const char* goal_name(bool rated) { return rated ? "largest load" : "peak"; }
+const char* goal_unit(bool rated) { return rated ? "of the rating" : "m/s^2"; }
+std::string goal_text(double value, bool rated) { return fmt::format("{:.4g} {}", value, goal_unit(rated)); }
 
 Check under_scatter_check(double planned, double held, bool rated) {
   constexpr const char* kWhat = "holds under scatter";
   if (!std::isfinite(held)) return {State::kUnknown, kWhat, "holding still could not be followed"};
   return check(planned <= held, kWhat,
-               fmt::format("worst tenth of drops {}, holding still {:.4g}", worth_words(planned, rated), held));
+               fmt::format("worst tenth of drops {}, holding still {:.4g}", goal_text(planned, rated), held));
 }
 
 std::string promised_words(const std::string& measure, double value) {
@@ -110,7 +110,7 @@ FirstScreen first_screen(const landing::Answer& a) {
                                   : fmt::format("The {} is {:.4g} m/s^2: there was no time to play the landing itself.",
                                                 goal_words(a.options), a.best.value)};
   out.checks = {check(a.best.verified, "verified", "judged at a tight accuracy after the search"),
-                within_ratings(a.ratings), inexactly(a)};
+                within_ratings(a.ratings), inexact_execution_check(a)};
   if (a.under_scatter) {
     const landing::UnderScatter& u = *a.under_scatter;
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);

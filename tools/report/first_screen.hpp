@@ -1,4 +1,4 @@
-// What stands first on a report: the answer as one sentence with its number, a checklist, and what to do next.
+// The top of a report: the result as one sentence, a checklist, and what to do next.
 #pragma once
 
 #include <optional>
@@ -32,31 +32,31 @@ struct FirstScreen {
   std::string next;  ///< what to do next; empty: nothing
 };
 
-/// A peak above this part of the one that was planned or promised is a worse one: warnings and checks say so.
+/// Warnings and checks call a peak worse if it exceeds the planned or promised one by this factor.
 inline constexpr double kWorse = 1.05;
 
-/// Good or bad.
-Check check(bool right, const std::string& what, const std::string& words);
-/// The motor's speed and torque against their ratings; one that is not known is said to be so.
+/// kGood if `passed`, else kBad.
+Check check(bool passed, const std::string& what, const std::string& words);
+/// The motor's speed and torque against their ratings; kUnknown where a rating is not given.
 Check within_ratings(const std::optional<landing::Ratings>& ratings);
 /// Whether a fit ended at a minimum; `message`: why not.
 Check converged(bool converged, const std::string& message);
-/// Whether a peak is that of the motion and not of the integrator; `wrong`: see CheckedLanding.
+/// Whether a peak is free of integration error; `wrong`: see CheckedLanding.
 Check converged(const landing::Sensitivity& sensitivity, bool wrong);
-/// What a plan makes small: an acceleration [m/s^2] or, where loads are `rated`, the largest as a part of its rating.
-std::string worth_words(double value, bool rated);
-const char* worth_name(bool rated);  ///< "largest load", "peak"
-const char* worth_unit(bool rated);
-/// The worst tenth of drops against that of holding still.
+/// Value of a plan's goal: an acceleration [m/s^2] or, if `rated`, the largest load divided by its rating [1].
+std::string goal_text(double value, bool rated);
+const char* goal_name(bool rated);  ///< "largest load", "peak"
+const char* goal_unit(bool rated);
+/// Mean of the worst tenth of drops of the plan and of the held posture.
 Check under_scatter_check(double planned, double held, bool rated = false);
 /// " Over the drops that it is planned for 135 (mean)."
 std::string promised_words(const std::string& measure, double value);
-/// Of a plan of the two-link robot.
+/// First screen of a plan of the two-link robot.
 FirstScreen first_screen(const landing::Answer& answer);
 
-/// On the terminal: its sentence and the lines that belong to it; with --details every number of the table below.
+/// Prints the sentence and `lines`; with --details the table too.
 void say(const FirstScreen& screen, const std::vector<std::string>& lines, const Table& details, const Run& run);
-/// As HTML; `warnings` is how many sentences stand under "What to distrust".
+/// The screen as HTML; `warnings`: number of sentences under "What to distrust".
 std::string html(const FirstScreen& screen, std::size_t warnings);
 
 }  // namespace ukemi::tools

@@ -34,7 +34,7 @@ Quantities<identify::Minimum> minimum_quantities() {
   return out;
 }
 
-/// The rung that predicts the trials best that were left out of its fit; none where that was not computed.
+/// The rung with the smallest held-out residual; null where none was computed.
 const identify::Rung* best_held_out(const identify::Ladder& ladder) {
   const identify::Rung* best = nullptr;
   for (const identify::Rung& r : ladder.rungs)
@@ -42,8 +42,8 @@ const identify::Rung* best_held_out(const identify::Ladder& ladder) {
   return best;
 }
 
-/// Which model to take, as an option to paste.
-std::string model_to_take(const identify::Ladder& ladder) {
+/// Which model to choose, as a command-line option.
+std::string model_advice(const identify::Ladder& ladder) {
   const identify::Rung& by_bic = ladder.rungs[ladder.preferred];
   const identify::Rung* by_trials = best_held_out(ladder);
   const auto option = [](const identify::Rung& r) {
@@ -59,7 +59,7 @@ std::string model_to_take(const identify::Ladder& ladder) {
       option(by_bic), option(*by_trials), by_trials->held_out, by_bic.held_out);
 }
 
-/// What the reader can do with it, a sentence each.
+/// Recommended next steps, a sentence each.
 std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::Identification& found) {
   const Fit& fit = found.fit;
   if (!found.trust) return {"Nothing was found: give a --start, or more trials."};
@@ -68,7 +68,7 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
   if (found.trust->tests.model_rejected())
     out.emplace_back(
         "Try the term that the tests miss (--nuisance), and `ukemi identify --diagnose` to compare models.");
-  if (found.trust->ladder) out.push_back(model_to_take(*found.trust->ladder));
+  if (found.trust->ladder) out.push_back(model_advice(*found.trust->ladder));
   for (const identify::Estimate& e : fit.parameters)
     if (e.free && e.verdict != identify::Identifiability::kTrusted) {
       out.emplace_back("Make the hits that say most of what is still unknown: `ukemi design` proposes them.");
@@ -81,7 +81,7 @@ std::vector<std::string> next_steps(const IdentifyQuestion& q, const identify::I
   return out;
 }
 
-/// What the fit's errors do to a landing.
+/// Reports the effect of the fit's errors on a landing.
 void report_part(const LandingOfFit& l, const Fit& fit, Report& report, Json& summary, Run& run) {
   summary["landing"] = {{"peak", number(l.peak)},          {"mean", number(l.mean)}, {"deviation", number(l.deviation)},
                         {"cvar90", number(l.worst_tenth)}, {"landings", l.samples},  {"failed", l.failed}};
@@ -119,7 +119,7 @@ std::string assumptions(const IdentifyQuestion& q, const identify::Identificatio
     return q.rig.drive.kind == Kind::kCommand
                ? "the motor's torque is k_t times the logged command: no k_p, no k_d"
                : fmt::format("the motor's torque is k_t times the rig's own controller{}: no k_p, no k_d",
-                             q.rig.drive.by_command() ? ", which is fed the logged angle" : "");
+                             q.rig.drive.known_command() ? ", which is fed the logged angle" : "");
   return fmt::format("tau_max: {}; Eq. 3 feeds back the {} angle ({})",
                      std::isfinite(q.base.tau_max)
                          ? fmt::format("{:g} Nm ({})", q.base.tau_max, q.rig.tau_max ? "rig" : "actuator")
@@ -146,7 +146,7 @@ Quantities<identify::TrialResult> trial_quantities() {
 
 std::string fit_csv(const Run& run, const std::vector<Trial>& trials, const Fit& fit,
                     const identify::Judgement* judged) {
-  // Each output of a trial, measured, predicted, and half of its band; an output that no trial measured has no columns.
+  // An output of a trial: measured, predicted, half-width of its band. An output that no trial measured has no columns.
   struct Column {
     const char *name, *band;
     std::vector<double> Trial::*measured;
@@ -216,7 +216,7 @@ Actuator fitted_actuator(const IdentifyQuestion& q, const Fit& fit) {
   if (q.rig.speed_max) out.speed_max = q.rig.speed_max;
   if (q.rig.motor_torque_max) out.motor_torque_max = q.rig.motor_torque_max;
   for (const identify::Estimate& e : fit.parameters) out.verdicts.emplace_back(e.name, identify::name(e.verdict));
-  // Only what was determined goes into the covariance, of the actuator: a file holds numbers, not gaps.
+  // The covariance is of the determined constants of the actuator only: a file cannot hold NaN.
   std::vector<long> determined;
   for (long i = 0; i < fit.covariance.rows(); ++i) {
     const std::string& key = q.options.terms[fit.fitted[std::size_t(i)]].key;
@@ -243,7 +243,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   const Fit& fit = found.fit;
   warn(found, run);
   Report report("Identification");
-  begin(fit, constant_quantities(), report, summary, run);
+  begin_report(fit, constant_quantities(), report, summary, run);
   run.say(assumptions(q, &found));
   if (const std::string unknown = fitted_actuator(q, fit).unknown_ratings(); !unknown.empty())
     run.say("the motor's ratings are unknown (" + unknown + "): --speed-max, --motor-torque-max, or the rig's keys");
@@ -266,7 +266,7 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   summary["trusted"] = fit.trusted();
   report_error_budget(q.rig, fit, report, summary, run);
   if (found.trust) report_part(*found.trust, fit, report, summary, run);
-  if (found.trust && found.trust->ladder) run.say(model_to_take(*found.trust->ladder));
+  if (found.trust && found.trust->ladder) run.say(model_advice(*found.trust->ladder));
   if (landing) report_part(*landing, fit, report, summary, run);
   summary["minima"] = minima.objects();
   summary["assumed"] = assumptions(q, &found);

@@ -1,4 +1,4 @@
-// What `ukemi identify` and `ukemi predict` tell.
+// Reports of `ukemi identify` and `ukemi predict`.
 #pragma once
 
 #include <optional>
@@ -22,47 +22,46 @@ struct IdentifyQuestion {
   identify::Rig rig;
   std::vector<identify::Trial> trials;
   identify::FitOptions options;
-  std::optional<Actuator> given;  ///< to start from, to predict with
-  SeaParameters<double> base;     ///< what is not fitted: limit, feedback, friction
+  std::optional<Actuator> given;  ///< the start of a fit, or the constants of a prediction
+  SeaParameters<double> base;     ///< unfitted constants: limit, feedback, friction
   Exports exports;
 };
 
-/// What is not fitted: a given actuator's, else no limit and Eq. 3 as printed; the rig's limit and feedback count
-/// before both.
+/// Unfitted constants: of the given actuator, else no limit and Eq. 3 as printed. The rig's limit and feedback take
+/// precedence.
 SeaParameters<double> base_of(const identify::Rig& rig, const std::optional<Actuator>& given);
-/// Where the command is known for every trial, K_t is fitted in place of K_p and K_d. Throws InputError where some
-/// trials have a known command and others Eq. 3.
+/// Fits K_t instead of K_p and K_d where every trial's rig has a [drive]. Throws InputError where only some do.
 void choose_drive(IdentifyQuestion& question);
 /// The actuator as its file holds it: constants, verdicts, covariance, ratings.
 Actuator fitted_actuator(const IdentifyQuestion& question, const identify::Fit& fit);
 /// The angles of a trial, measured and predicted.
 std::vector<Series> angle_curves(const identify::Trial& trial, const identify::TrialResult& predicted);
 
-/// Adds to a summary that holds what was read, writes the files, returns the exit code. `landing`: what the fit's
-/// errors do to a landing, where that was asked for.
+/// Completes `summary`, which holds what was read, and writes the files. Returns the exit code. `landing`: effect of
+/// the fit's errors on a landing, if requested.
 int report(const IdentifyQuestion& question, const identify::Identification& found,
            const std::optional<LandingOfFit>& landing, Doubt doubt, Json summary, Run& run);
-/// The same of a prediction, predict.cpp; with Doubt::kFail one that does not hold is exit 1.
+/// Report of a prediction, predict.cpp; with Doubt::kFail the exit code is 1 where it does not hold.
 int report(const IdentifyQuestion& question, const identify::Prediction& prediction, Doubt doubt, Json summary,
            Run& run);
 
-// --- what both tell ---
+// --- common to both ---
 
 /// Where the torque limit and the feedback come from; `found`: of a fit.
 std::string assumptions(const IdentifyQuestion& question, const identify::Identification* found = nullptr);
 Quantities<identify::TrialResult> trial_quantities();
-/// Of each sample what was measured and predicted, and where it was judged the band.
+/// Measured and predicted outputs of each sample, with the 95 % band if `judged`.
 std::string fit_csv(const Run& run, const std::vector<identify::Trial>& trials, const identify::Fit& fit,
                     const identify::Judgement* judged = nullptr);
 
-// --- where its errors come from, error_budget.cpp ---
+// --- error budget, error_budget.cpp ---
 
-/// "rig_errors" and "error_budget" of the summary, the table and what to measure better.
+/// "rig_errors" and "error_budget" of the summary, the table, and which measurement would reduce the errors most.
 void report_error_budget(const identify::Rig& rig, const identify::Fit& fit, Report& report, Json& summary, Run& run);
-/// "hang a known weight on the load cell, or weigh the link": what would tell these terms by themselves.
+/// "hang a known weight on the load cell, or weigh the link": experiments that measure these terms directly.
 std::string experiments(const std::vector<std::string>& terms);
 
-// --- how far it can be trusted, trust.cpp ---
+// --- tests and verdicts of a fit, trust.cpp ---
 
 /// Warns of what the tests find.
 void warn(const identify::Trust& trust, const identify::Fit& fit, Run& run);

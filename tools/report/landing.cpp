@@ -9,14 +9,14 @@ namespace ukemi::tools {
 using namespace landing;
 
 namespace {
-std::string peak_to(int digits, double peak) {
+std::string peak_text(int digits, double peak) {
   return std::isnan(peak)   ? "not played"
          : std::isinf(peak) ? "not to be followed"
                             : fmt::format("{:.{}g}", peak, digits);
 }
 }  // namespace
-std::string peak_words(double peak) { return peak_to(6, peak); }
-std::string short_peak_words(double peak) { return peak_to(4, peak); }
+std::string peak_words(double peak) { return peak_text(6, peak); }
+std::string short_peak_words(double peak) { return peak_text(4, peak); }
 std::string percent_words(double fraction) {
   return std::isfinite(fraction) ? fmt::format("{:.1f} %", 100 * fraction) : "";
 }
@@ -37,7 +37,7 @@ Quantities<Motion> motion_quantities(const Motion& like) {
                      for (const double b : m.bumps) bumps.push_back(b * kDegrees);
                      return bumps;
                    }});
-    for (std::size_t k = 0; k < kMostBumps; ++k)
+    for (std::size_t k = 0; k < kMaxBumps; ++k)
       if (like.bumps[k] != 0)
         out.push_back({fmt::format("b{}_deg", k), "", fmt::format("b_{} [deg]", k), "{:.6g}",
                        [k](auto& m) { return m.bumps[k] * kDegrees; }});
@@ -47,15 +47,15 @@ Quantities<Motion> motion_quantities(const Motion& like) {
     out.push_back({"gain_d", "gain_d", "factor of K_d", "{:.6g}", &Motion::gain_d});
   }
   if (like.reposition) {
-    const auto in_air = [&](const char* name, const char* words, double Reposition::*value, double factor) {
+    const auto add_reposition = [&](const char* name, const char* words, double Reposition::*value, double factor) {
       out.push_back(
           {std::string("reposition_") + name, std::string("reposition/") + name, words, "{:.6g}",
            [value, factor](const Motion& m) { return m.reposition ? Json((*m.reposition).*value * factor) : Json(); }});
     };
-    in_air("phi_deg", "released at [deg]", &Reposition::phi, kDegrees);
-    in_air("rate_deg", "turning at [deg/s]", &Reposition::rate, kDegrees);
-    in_air("from", "moved in the air from [s]", &Reposition::from, 1);
-    in_air("to", "to [s]", &Reposition::to, 1);
+    add_reposition("phi_deg", "released at [deg]", &Reposition::phi, kDegrees);
+    add_reposition("rate_deg", "turning at [deg/s]", &Reposition::rate, kDegrees);
+    add_reposition("from", "moved in the air from [s]", &Reposition::from, 1);
+    add_reposition("to", "to [s]", &Reposition::to, 1);
   }
   return out;
 }
@@ -75,7 +75,7 @@ Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touc
 
 std::string contact_order(const std::vector<Peak>& peaks, const PointName& name) {
   std::string s;
-  for (const Peak& p : numbered(peaks)) s += (s.empty() ? "" : ", ") + name(p.point);
+  for (const Peak& p : contact_peaks(peaks)) s += (s.empty() ? "" : ", ") + name(p.point);
   return s.empty() ? "none" : s;
 }
 std::string failure_words(const RunEnd& r, const char* point) {
@@ -128,8 +128,8 @@ Quantities<Evidence> evidence_quantities(const std::vector<Variable>& variables,
   Quantities<Evidence> out;
   for (std::size_t k = 0; k < variables.size(); ++k)
     for (const std::size_t side : {0, 1}) {
-      const Display whole = display(variables[k]), room = display(variables[k], side == 0 ? "_down" : "_up");
-      out.push_back({room.key, "width_of_5_percent/" + whole.key + (side ? "/1" : "/0"),
+      const Display whole = display(variables[k]), margin = display(variables[k], side == 0 ? "_down" : "_up");
+      out.push_back({margin.key, "width_of_5_percent/" + whole.key + (side ? "/1" : "/0"),
                      (side == 0 ? "room below " : "room above ") + whole.words, "{:.2g}",
                      [k, side, factor = whole.factor](const Evidence& e) { return e.width[k][side] * factor; }});
     }

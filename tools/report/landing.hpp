@@ -1,4 +1,4 @@
-// What the verbs tell of motions and landings, each quantity once.
+// Quantities of motions and landings in reports, defined once for all verbs.
 #pragma once
 
 #include <functional>
@@ -16,14 +16,14 @@
 
 namespace ukemi::tools {
 
-inline constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};  ///< of a planned drop
+inline constexpr std::array<const char*, 2> kGoalNames = {"peak", "tolerant"};  ///< by landing::Goal
 
-/// A peak for a reader: NaN is one that was not played, infinity one that could not be followed.
+/// A peak in words: "not played" for NaN, "not to be followed" for infinity.
 std::string peak_words(double peak);
 std::string short_peak_words(double peak);  ///< to 4 digits
 std::string percent_words(double fraction);
 
-/// A variable as readers and files have it: angles in degrees.
+/// A variable as reports and files show it: angles in degrees.
 struct Display {
   double factor;
   std::string key;    ///< "phi_i_deg", or with a middle "phi_i_down_deg"
@@ -32,13 +32,13 @@ struct Display {
 Display display(const landing::Variable& variable, const std::string& middle = "");
 
 Quantities<landing::Motion> motion_quantities(const landing::Motion& like);
-/// `acceleration`: how tables call the one that counts.
+/// `acceleration`: its symbol in tables.
 Quantities<landing::Touch> contact_quantities(const PointName& name = point_name,
                                               const std::string& acceleration = "|ddr_0|");
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();
-/// How wide the motion's basin is in each variable, its tolerant peak by that name (empty: in files alone), the
-/// deviations.
+/// Width of the motion's basin in each variable, the tolerant peak under the heading `tolerant_peak` (empty: in files
+/// only), the deviations.
 Quantities<landing::Evidence> evidence_quantities(const std::vector<landing::Variable>& variables,
                                                   const std::string& tolerant_peak);
 
@@ -48,29 +48,29 @@ std::string motion_words(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
 /// "foot, knee, hip": the points in the order of their peaks; chatter left out.
 std::string contact_order(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
-/// Why there is no landing; `point`: what a robot meets the floor with.
+/// Why there is no landing; `point`: what touches the floor, "point" or "contact".
 std::string failure_words(const landing::RunEnd& run, const char* point = "point");
 
 /// Warns of a run that failed, met no floor or could not be checked.
 void warn_of(const landing::RunEnd& run, const landing::Sensitivity& sensitivity, const char* point, Run& to);
-/// Warns of a peak that is `wrong`, see CheckedLanding, or sensitive; `accuracy`: what was asked.
+/// Warns of a peak that is `wrong`, see CheckedLanding, or sensitive; `accuracy`: the requested one.
 void warn_of(const landing::Sensitivity& sensitivity, bool wrong, double accuracy, Run& run);
 
 Json ratings_json(const landing::Ratings& ratings);
-/// Warns of each, `whose` in front.
+/// Warns of each doubt with the prefix `whose`.
 void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string& whose = "");
 
-/// Warns where an answer lies on the edge of what was searched.
+/// Warns of variables on an edge of their search range.
 void warn_of_edges(const std::vector<landing::Variable>& variables, const landing::Edges& edges, Run& run);
 
-/// A column of a trajectory over time, in `unit`s.
+/// A column of a trajectory over time, multiplied by `unit`.
 Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,
              double unit = 1);
-/// The smallest peak of a map over the variables that are not drawn.
+/// Heat map over variables x and y: the smallest peak over all others.
 Heatmap projection(const landing::PeakMap& map, int x, int y);
-/// Where the floor's constants come from, if the scene says so.
+/// Adds where the floor's constants come from, if the scene says so.
 void floor_source(Report& report, const std::string& source);
-/// What was simulated, as numbers.
+/// Adds the constants of scene and actuator.
 void constants_table(Report& report, const landing::Scene& scene, const Actuator& actuator);
 
 }  // namespace ukemi::tools

@@ -15,7 +15,7 @@ namespace {
 
 using Doubts = std::vector<std::string>;
 
-/// What grows e-fold in 1 / `rate` [s] about phi [rad]; `whose` goes in front.
+/// Growth at `rate` [1/s] of disturbances about phi [rad]; prefix `whose`.
 std::string growth_words(const std::string& whose, double phi, double rate, double tau_max) {
   return fmt::format(
       "{}the drive is unstable on this robot: in flight, at {:.4g} deg, a disturbance grows e-fold every {:.2g} s{}",
@@ -23,29 +23,29 @@ std::string growth_words(const std::string& whose, double phi, double rate, doub
       std::isfinite(tau_max) ? ", up to the torque limit" : ", and no torque limit stops it");
 }
 
-/// What a joint's motor must turn at [rad/s]: its reference's rate, or its own.
+/// Speed demanded of a joint's motor [rad/s]: the larger of its reference's and its own.
 double speed_of(const Motion& motion, double start, const JointDemands& d) {
   return std::max(peak_reference_rate(motion, start), d.motor_speed);
 }
 
-/// Hinges that no contact keeps above the floor, and that go below it.
+/// Warns of link origins without a contact that go below the floor.
 void doubt_hinges(const BodyScene& scene, const BodyLanding& l, Doubts& out) {
-  constexpr double kDeep = 0.01;  // a hinge is no point: some of that is its radius [m]
+  constexpr double kMaxDepth = 0.01;  // allows for the radius of a hinge [m]
   const Robot& robot = scene.robot;
   if (!scene.touches() || scene.slope != 0) return;
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& link = robot.links[i];
-    const auto is_here = [&](const ContactPoint& c) {
+    const auto is_at_hinge = [&](const ContactPoint& c) {
       const auto at = [&](int of, const landing::Place& p) {
         return c.link == of && c.at.along == p.along && c.at.across == p.across;
       };
       return at(int(i), {}) || (link.parent >= 0 && at(link.parent, link.at));
     };
-    if (std::any_of(robot.contacts.begin(), robot.contacts.end(), is_here)) continue;
+    if (std::any_of(robot.contacts.begin(), robot.contacts.end(), is_at_hinge)) continue;
     double lowest = 0;
     for (const BodySample& s : l.trajectory) lowest = std::min(lowest, s.y[i]);
     const Joint* joint = robot.joint_of(int(i));
-    if (lowest < -kDeep)
+    if (lowest < -kMaxDepth)
       out.push_back(fmt::format("{} goes {:.3g} m below the floor: no contact is there",
                                 joint ? "joint " + joint->name : "the origin of " + link.name, -lowest));
   }
@@ -77,10 +77,10 @@ std::vector<std::string> landing_doubts(const std::optional<Instability>& i, dou
   return i ? Doubts{growth_words("", i->phi, i->rate, tau_max)} : Doubts{};
 }
 
-std::vector<Beyond> beyond_ratings(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l) {
+std::vector<ExceededRating> exceeded_ratings(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l) {
   const Robot& robot = scene.robot;
   const double start = expected_start(scene, l);
-  std::vector<Beyond> out;
+  std::vector<ExceededRating> out;
   for (std::size_t i = 0; i < l.demands.size(); ++i) {
     const Joint& joint = robot.joints[i];
     if (!joint.driven()) continue;
@@ -109,9 +109,9 @@ std::vector<std::string> landing_doubts(const BodyScene& scene, const BodyMotion
       out.push_back(fmt::format("joint {} turns from {:.4g} to {:.4g} deg: the peak is that of a link that whirls",
                                 joints[i].name, l.demands[i].phi_min * kDegrees, l.demands[i].phi_max * kDegrees));
   doubt_hinges(scene, l, out);
-  for (const Beyond& b : beyond_ratings(scene, motion, l))
-    out.push_back(fmt::format("the robot could not follow: {} {} {:.3g} {}; rated {:.3g} {}", b.joint->name, b.at,
-                              b.value, b.unit, b.rating, b.unit));
+  for (const ExceededRating& b : exceeded_ratings(scene, motion, l))
+    out.push_back(fmt::format("the robot could not follow: {} {} {:.3g} {}; rated {:.3g} {}", b.joint->name,
+                              b.preposition, b.value, b.unit, b.rating, b.unit));
   return out;
 }
 

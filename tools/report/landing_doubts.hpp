@@ -1,4 +1,4 @@
-// What a reader of a landing must know before its peak is believed, a sentence each.
+// Reasons to doubt the peak of a landing, a sentence each.
 #pragma once
 
 #include <string>
@@ -9,26 +9,26 @@
 
 namespace ukemi::tools {
 
-/// A drive that has lost the joint.
+/// The drive has lost the joint.
 std::vector<std::string> landing_doubts(const landing::Landing& landing);
-/// An actuator that could not follow.
+/// The motion exceeds the actuator's ratings.
 std::vector<std::string> landing_doubts(const landing::Ratings& ratings);
-/// A drive that is unstable; `tau_max` may end the growth.
+/// The drive is unstable; `tau_max` [Nm] may bound the growth.
 std::vector<std::string> landing_doubts(const std::optional<landing::Instability>& instability, double tau_max);
-/// Of a robot of links: drives that are unstable in flight or could not follow, joints that whirl, hinges below the
-/// floor (of a landing with a trajectory).
+/// Robot of links: drives that are unstable in flight or exceed their ratings, joints that turn over, joints below the
+/// floor (needs a trajectory).
 std::vector<std::string> landing_doubts(const landing::BodyScene& scene, const landing::BodyMotion& motion,
                                         const landing::BodyLanding& landing);
 
-/// A demand of a joint beyond its rating.
-struct Beyond {
+/// A demand of a joint that exceeds its rating.
+struct ExceededRating {
   const landing::Joint* joint;
   double value, rating;
-  const char *unit, *at;  ///< "rad/s", "at"; "Nm", "with"
+  const char *unit, *preposition;  ///< "rad/s", "at"; "Nm", "with"
 };
-std::vector<Beyond> beyond_ratings(const landing::BodyScene& scene, const landing::BodyMotion& motion,
-                                   const landing::BodyLanding& landing);
-/// When landing motions start, from release [s].
+std::vector<ExceededRating> exceeded_ratings(const landing::BodyScene& scene, const landing::BodyMotion& motion,
+                                             const landing::BodyLanding& landing);
+/// Expected start of landing motions, from release [s]: first touchdown + detection delay.
 double expected_start(const landing::BodyScene& scene, const landing::BodyLanding& landing);
 
 }  // namespace ukemi::tools

@@ -14,7 +14,7 @@ using namespace landing;
 
 namespace {
 
-std::string letters(const ContactOrder& contacts) {
+std::string contact_letters(const ContactOrder& contacts) {
   std::string s;
   for (int i = 0; i < contacts.size(); ++i) s += "HKF"[contacts[i]];
   return s;
@@ -39,7 +39,7 @@ std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts conta
     const Coordinates x = map.values(map.place(i));
     for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * axes[std::size_t(k)].factor);
     csv.cell(c.peak);
-    if (shown) csv.cell(c.peak_contact + 1).cell(letters(c.contacts));
+    if (shown) csv.cell(c.peak_contact + 1).cell(contact_letters(c.contacts));
     csv.end_row();
   }
   return csv.text();
@@ -74,21 +74,21 @@ Heatmap projection(const PeakMap& map, int x, int y) {
 
 namespace {
 
-/// Every pair of variables with a grid; of one variable a curve.
+/// Heat maps of all pairs of varied variables; of a single one a curve.
 void show(const PeakMap& map, bool rated, Report& report) {
-  std::vector<int> over;
+  std::vector<int> axes;
   for (int k = 0; k < int(map.cells.size()); ++k)
-    if (map.cells[std::size_t(k)] > 1) over.push_back(k);
-  if (over.size() == 1) {
-    const Heatmap line = projection(map, over[0], over[0]);
+    if (map.cells[std::size_t(k)] > 1) axes.push_back(k);
+  if (axes.size() == 1) {
+    const Heatmap line = projection(map, axes[0], axes[0]);
     Series peaks{"", line.x, {}};
     for (std::size_t i = 0; i < line.x.size(); ++i) peaks.y.push_back(map.grid[i].peak);
-    report.plot("map", line.x_label, fmt::format("{} [{}]", worth_name(rated), worth_unit(rated)), {peaks});
+    report.plot("map", line.x_label, fmt::format("{} [{}]", goal_name(rated), goal_unit(rated)), {peaks});
     return;
   }
-  report.heading(fmt::format("Smallest {} over the other variables [{}]", worth_name(rated), worth_unit(rated)));
-  for (std::size_t x = 0; x < over.size(); ++x)
-    for (std::size_t y = x + 1; y < over.size(); ++y) report.heatmap(projection(map, over[x], over[y]));
+  report.heading(fmt::format("Smallest {} over the other variables [{}]", goal_name(rated), goal_unit(rated)));
+  for (std::size_t x = 0; x < axes.size(); ++x)
+    for (std::size_t y = x + 1; y < axes.size(); ++y) report.heatmap(projection(map, axes[x], axes[y]));
 }
 
 void warn(const MappedPeaks& s, bool basins, Run& run) {
@@ -104,7 +104,7 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
 
 }  // namespace
 
-int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& more) {
+int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& extra) {
   const std::size_t points = s.map.grid.size();
   warn(s, !texts.lines.empty(), run);
   run.add("map.csv", map_csv(run, s.map, texts.contacts, texts.rated));
@@ -115,7 +115,7 @@ int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& mo
                   {"joint_lost", s.lost},
                   {"map_time_s", s.map_seconds},
                   {"basins", texts.basins.objects()}};
-  summary.update(more);
+  summary.update(extra);
   if (texts.lines.empty()) return run.finish(summary, kNumbers);
   run.add("basins.csv", texts.basins.csv(run, texts.basins_comment));
   run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, texts.lines.size()));

@@ -1,4 +1,4 @@
-// A grid of peaks as a reader sees it, of either kind of robot.
+// Report of a grid of peaks, for both kinds of robot.
 #pragma once
 
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace ukemi::tools {
 
-/// What is told of a map beside its grid.
+/// What the report of a map needs besides its grid.
 struct MapTexts {
-  std::string scene, source;  ///< names; source: of the floor's constants
+  std::string scene, source;  ///< name; where the floor's constants come from
   enum class Contacts { kShow, kUnknown } contacts;
   Table basins;
   std::string basins_comment, basins_words;  ///< in basins.csv and on the page
-  std::vector<std::string> lines;            ///< a basin each, the best first
+  std::vector<std::string> lines;            ///< one per basin, the best first
   std::string best;                          ///< the best basin
-  bool rated = false;                        ///< what counts is a load / its rating
+  bool rated = false;                        ///< peaks are loads divided by their ratings
 };
-/// Tells, writes and returns the exit code; `more` comes behind the summary's keys.
-int report(const landing::MappedPeaks& peaks, const MapTexts& texts, Run& run, const Json& more = Json::object());
+/// Reports and writes a map. Returns the exit code. `extra`: further keys of the summary.
+int report(const landing::MappedPeaks& peaks, const MapTexts& texts, Run& run, const Json& extra = Json::object());
 
 }  // namespace ukemi::tools

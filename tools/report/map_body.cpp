@@ -14,7 +14,7 @@ Quantities<BodyBasin> basin_quantities(const Robot& robot, const BodyMotion& lik
   Quantities<BodyBasin> out;
   append(out, "motion/", motion_quantities(robot, like), &BodyBasin::motion);
   const auto add = [&](const char* csv, const char* json, const char* words, auto show, auto of) {
-    out.push_back({csv, json, fmt::format("{} [{}]", words, worth_unit(rated)), show, of});
+    out.push_back({csv, json, fmt::format("{} [{}]", words, goal_unit(rated)), show, of});
   };
   const auto tolerant = [](const BodyBasin& b) { return number(b.tolerant); };
   if (rated) {
@@ -53,13 +53,13 @@ int report(const BodySurvey& s, Run& run) {
                      "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json.",
                  .rated = of_loads};
   for (const BodyBasin& b : s.basins)
-    texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion), worth_name(of_loads),
-                                      worth_words(b.peak, of_loads), worth_words(b.tolerant, of_loads)));
+    texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion), goal_name(of_loads),
+                                      goal_text(b.peak, of_loads), goal_text(b.tolerant, of_loads)));
   if (!s.basins.empty())
     texts.best =
-        fmt::format("{} at {}", worth_words(s.basins[0].peak, of_loads), motion_words(robot, s.basins[0].motion));
+        fmt::format("{} at {}", goal_text(s.basins[0].peak, of_loads), motion_words(robot, s.basins[0].motion));
   if (!s.minima.empty())
-    run.say(fmt::format("lowest of the grid: {}, {}", worth_words(s.minima[0].peak, of_loads),
+    run.say(fmt::format("lowest of the grid: {}, {}", goal_text(s.minima[0].peak, of_loads),
                         motion_words(robot, s.minima[0].motion)));
   return report(s, texts, run, {{"minima", minima_json(s)}});
 }

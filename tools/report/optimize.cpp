@@ -73,10 +73,9 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
   return out;
 }
 
-/// When the landing motion is expected to start, from release [s]: the first touchdown, detected; infinite if it never
-/// does.
+/// Expected start of the landing motion, from release [s]: first touchdown + detection delay; infinite without one.
 double expected_start(const Answer& a) {
-  const double touchdown = a.landing.contacts.first();  // none where nothing was followed
+  const double touchdown = a.landing.contacts.first();  // infinite where nothing was followed
   return (std::isfinite(touchdown) ? touchdown : first_touchdown(a.scene, a.best.sea, a.best.motion)) +
          a.scene.detection_delay;
 }
@@ -93,7 +92,7 @@ Table solvers(const Answer& a) {
           a.tried};
 }
 
-/// The moments at which a search's best became better, in the search's own accuracy.
+/// Improvements of each search's incumbent, at the search's accuracy.
 std::string progress_csv(const Run& run, const Answer& a) {
   CsvWriter csv = run.csv();
   csv.header({"solver", "evaluations", "landings", "time_s", "best"});
@@ -103,7 +102,7 @@ std::string progress_csv(const Run& run, const Answer& a) {
   return csv.text();
 }
 
-/// Where forbidden points touch after all when the motion is played inexactly.
+/// In how many motions within the execution tolerance each forbidden point touches; warns of them.
 Json forbidden_touches(const Answer& a, Run& run) {
   const TolerantPeak& t = a.best.tolerant;
   Json out;
@@ -123,7 +122,7 @@ Json forbidden_touches(const Answer& a, Run& run) {
   return out;
 }
 
-/// The motion that breaks the ratings least, where none keeps them.
+/// Reports the motion with the smallest violation of the ratings, where none keeps them.
 void report_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
   std::string rating = l.rating;
   std::replace(rating.begin(), rating.end(), '_', ' ');
@@ -136,19 +135,19 @@ void report_least_breaking(const LeastBreaking& l, Run& run, Json& summary) {
                                {"limit", l.limit}};
 }
 
-/// Which deviations cost half of what the motion saves, or more.
+/// Warns of deviations that cost half of what the motion saves, or more.
 void warn_of_deviations(const Answer& a, Run& run) {
-  std::string lost;
+  std::string costly;
   for (const Quantity<Evidence>& q : deviation_quantities()) {
     const double peak = q.value(*a.evidence).get<double>();
     if (peak > kWorse * a.peak() && !(a.held_peak() <= a.peak()) &&
         !(peak - a.peak() < 0.5 * (a.held_peak() - a.peak())))
-      lost += fmt::format("{}{} {}", lost.empty() ? "" : ", ", short_peak_words(peak), q.words);
+      costly += fmt::format("{}{} {}", costly.empty() ? "" : ", ", short_peak_words(peak), q.words);
   }
-  if (!lost.empty())
+  if (!costly.empty())
     run.warn(
         fmt::format("the peak of {:.4g} m/s^2 becomes {}; {} it is {}: half of what the motion saves, or more, is lost",
-                    a.peak(), lost, held_words(a), short_peak_words(a.held_peak())));
+                    a.peak(), costly, held_words(a), short_peak_words(a.held_peak())));
   if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
     run.warn(fmt::format(
         "the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; --evidence "
@@ -190,20 +189,20 @@ Json summary_of(const Answer& a, Run& run) {
   return s;
 }
 
-/// How far the best was above the lowest value after so much of what bounded the search, a step each time that it fell:
-/// after so many motions, for a page is the same whatever the machine; with a deadline after so much time.
-Series descent(const Optimum& o, double answer, bool timed) {
-  constexpr double kLeast = 1e-3;  // [%], of logarithmic axes
+/// Gap of the incumbent to the lowest value [%], as steps, over evaluated motions, so that a page does not depend on
+/// the machine; if `timed` over time [s].
+Series descent(const Optimum& o, double lowest, bool timed) {
+  constexpr double kMinGap = 1e-3;  // [%], of logarithmic axes
   Series out{o.solver, {}, {}};
-  for (const Progress& p : o.progress) answer = std::min(answer, p.value);  // before it stepped back from a cliff
-  const auto gap = [&](const Progress& p) { return std::max(100 * (p.value / answer - 1), kLeast); };
-  const auto after = [&](double motions, double seconds) { out.x.push_back(timed ? seconds : motions); };
+  for (const Progress& p : o.progress) lowest = std::min(lowest, p.value);  // before it left a cliff
+  const auto gap = [&](const Progress& p) { return std::max(100 * (p.value / lowest - 1), kMinGap); };
+  const auto add_x = [&](double motions, double seconds) { out.x.push_back(timed ? seconds : motions); };
   for (const Progress& p : o.progress) {
-    if (!(p.value < kNoMotion) || (!out.y.empty() && gap(p) > out.y.back())) continue;  // the last are judged anew
-    if (!out.x.empty()) after(double(p.motions), p.seconds), out.y.push_back(out.y.back());
-    after(double(p.motions), p.seconds), out.y.push_back(gap(p));
+    if (!(p.value < kNoMotion) || (!out.y.empty() && gap(p) > out.y.back())) continue;  // re-evaluated at the end
+    if (!out.x.empty()) add_x(double(p.motions), p.seconds), out.y.push_back(out.y.back());
+    add_x(double(p.motions), p.seconds), out.y.push_back(gap(p));
   }
-  if (!out.x.empty()) after(double(o.evaluations), o.seconds), out.y.push_back(out.y.back());
+  if (!out.x.empty()) add_x(double(o.evaluations), o.seconds), out.y.push_back(out.y.back());
   return out;
 }
 
@@ -212,7 +211,7 @@ Falls::Figures figures_of(const Answer& a) {
   return deadline && *deadline < kDrawnFrom ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
 }
 
-/// What each deviation makes of the peak, beside the plan and the held posture.
+/// Peaks under each deviation, as planned and held.
 Panel deviation_panel(const Answer& a) {
   std::vector<std::pair<std::string, double>> bars{{"as planned", a.peak()}};
   for (const Quantity<Evidence>& q : deviation_quantities())
@@ -220,33 +219,33 @@ Panel deviation_panel(const Answer& a) {
   bars.push_back({held_words(a), a.held_peak()});
   Panel out;
   out.x_label = "peak [m/s^2]";
-  Series of{"", {}, {}, Series::Look::kBars, 0};
+  Series series{"", {}, {}, Series::Style::kBars, 0};
   for (const auto& [name, peak] : bars) {
-    of.x.push_back(peak), of.y.push_back(double(bars.size() - out.rows.size()));
+    series.x.push_back(peak), series.y.push_back(double(bars.size() - out.rows.size()));
     out.rows.push_back(name);
   }
-  out.series = {of};
+  out.series = {series};
   return out;
 }
 
-/// How far each number of the motion may move, as a part of its search range.
-Panel room_panel(const Answer& a) {
+/// How far each variable may move, in percent of its search range.
+Panel margin_panel(const Answer& a) {
   const std::vector<Variable> variables = ReferenceSpace(a.scene, a.actuator.sea).variables();
   Panel out;
   out.x_label = fmt::format("room before the peak rises by {:g} % [% of the search range]", 100 * Evidence::kRise);
-  Series of{"", {}, {}, Series::Look::kIntervals, 0};
+  Series series{"", {}, {}, Series::Style::kIntervals, 0};
   for (std::size_t k = 0; k < variables.size(); ++k) {
     const double percent = 100 / (variables[k].upper - variables[k].lower);
-    of.x.push_back(0), of.y.push_back(double(variables.size() - k));
-    of.low.push_back(-a.evidence->width[k][0] * percent), of.high.push_back(a.evidence->width[k][1] * percent);
+    series.x.push_back(0), series.y.push_back(double(variables.size() - k));
+    series.low.push_back(-a.evidence->width[k][0] * percent), series.high.push_back(a.evidence->width[k][1] * percent);
     out.rows.push_back(variables[k].words);
   }
-  out.series = {of};
+  out.series = {series};
   return out;
 }
 
 Figure deviations(const Answer& a) {
-  Figure out{.name = "deviations", .panels = {deviation_panel(a), room_panel(a)}, .columns = 2};
+  Figure out{.name = "deviations", .panels = {deviation_panel(a), margin_panel(a)}, .columns = 2};
   out.width = Figure::Width::kWhole;
   out.panel_height = 80 + 26.0 * double(std::max(out.panels[0].rows.size(), out.panels[1].rows.size()));
   out.caption =
@@ -254,15 +253,15 @@ Figure deviations(const Answer& a) {
   return out;
 }
 
-/// An axis of a slice: what is varied, and how it is shown.
-struct Along {
+/// An axis of a slice.
+struct SliceAxis {
   const char* label;
   MotionRange range;
-  double box, unit;  ///< half the execution box; shown = number * unit
+  double box, unit;  ///< half-width of the execution box; shown = value * unit
 };
 
-/// The peak over two numbers of the answer's motion, the others as they are.
-Heatmap slice(const Answer& a, const Along& x, const Along& y) {
+/// The peak over two variables of the answer's motion, the others fixed.
+Heatmap slice(const Answer& a, const SliceAxis& x, const SliceAxis& y) {
   constexpr int kCells = 31;
   const Motion& m = a.best.motion;
   Heatmap out{.x_label = x.label, .y_label = y.label};
@@ -274,27 +273,27 @@ Heatmap slice(const Answer& a, const Along& x, const Along& y) {
   return out;
 }
 
-/// Where the answer stands among its neighbours: over the whole ranges, and close by with its execution box.
+/// Adds heat maps of the peak around the answer: over the full ranges, and close-ups with the execution box.
 void show_slices(const Answer& a, Report& report) {
   const SearchRange& range = a.scene.search;
   const ExecutionTolerance& box = a.scene.execution;
   const Motion& m = a.best.motion;
-  const auto whole = [&](const char* label, double Motion::*number) {
-    return Along{label, {number, range.phi[0], range.phi[1]}, box.phi, kDegrees};
+  const auto full_range = [&](const char* label, double Motion::*number) {
+    return SliceAxis{label, {number, range.phi[0], range.phi[1]}, box.phi, kDegrees};
   };
-  const auto near = [&](const char* label, double Motion::*number) {
+  const auto zoom = [&](const char* label, double Motion::*number) {
     constexpr double kBoxes = 10;
-    return Along{label, {number, m.*number - kBoxes * box.phi, m.*number + kBoxes * box.phi}, box.phi, kDegrees};
+    return SliceAxis{label, {number, m.*number - kBoxes * box.phi, m.*number + kBoxes * box.phi}, box.phi, kDegrees};
   };
-  const Along duration{"duration [s]", {&Motion::duration, range.duration[0], range.duration[1]}, box.duration, 1};
+  const SliceAxis duration{"duration [s]", {&Motion::duration, range.duration[0], range.duration[1]}, box.duration, 1};
   report.heading("Among its neighbours");
   report.paragraph(
       "The peak of the planned drop [m/s^2] over two numbers of the motion, the others as they are. The cross is the "
       "answer, the box about it how inexactly a robot may play it.");
-  report.heatmap(slice(a, whole("phi_I [deg]", &Motion::phi_i), whole("phi_F [deg]", &Motion::phi_f)));
-  report.heatmap(slice(a, whole("phi_F [deg]", &Motion::phi_f), duration));
+  report.heatmap(slice(a, full_range("phi_I [deg]", &Motion::phi_i), full_range("phi_F [deg]", &Motion::phi_f)));
+  report.heatmap(slice(a, full_range("phi_F [deg]", &Motion::phi_f), duration));
   if (box.phi > 0)
-    report.heatmap(slice(a, near("phi_I [deg], close by", &Motion::phi_i), near("phi_F [deg]", &Motion::phi_f)));
+    report.heatmap(slice(a, zoom("phi_I [deg], close by", &Motion::phi_i), zoom("phi_F [deg]", &Motion::phi_f)));
 }
 
 Report page_of(const Answer& a, const Run& run) {
@@ -311,7 +310,7 @@ Report page_of(const Answer& a, const Run& run) {
         figures_of(a)},
        report);
   report.distrust(run.warnings());
-  report.folded("All numbers", Table::of(answer_quantities(a), a).turned());
+  report.folded("All numbers", Table::of(answer_quantities(a), a).transposed());
   if (figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) {
     report.heading("When something is not as planned");
     report.figure(deviations(a));
@@ -362,7 +361,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     say(first_screen(a),
         {"motion: " + motion_words(a.best.motion),
          contacts.empty() ? "its landing was not played: no time" : "contacts: " + contacts},
-        Table::of(answer_quantities(a), a).turned(), run);
+        Table::of(answer_quantities(a), a).transposed(), run);
     if (a.limit && run.options().lines == CommonOptions::Lines::kAll)
       run.say(fmt::format("limit {:.1f}, held through the first contact {:.1f}, yours {:.1f}, held throughout {}",
                           a.limit->jump, a.limit->first_contact, a.peak(), short_peak_words(a.held_peak())));

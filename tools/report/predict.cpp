@@ -1,4 +1,4 @@
-// What `ukemi predict` tells.
+// Report of `ukemi predict`.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -30,7 +30,7 @@ std::string words(double factor) {
   return "";
 }
 
-/// The verdict with its number, in a sentence.
+/// The verdict in a sentence.
 std::string verdict_text(const Judgement& j) {
   const char* errors = j.by_noise_alone ? "the logs' noise alone, for the actuator's file holds no covariance"
                                         : "the logs' noise and the errors of the actuator's constants";
@@ -93,7 +93,7 @@ int report(const IdentifyQuestion& q, const identify::Prediction& prediction, Do
                  verdict == Verdict::kHolds ? "`ukemi optimize` plans a landing with this actuator."
                                             : "`ukemi identify --diagnose` looks for what the model lacks."},
                 run.warnings());
-  begin(fit, estimate_quantities(), report, summary, run);
+  begin_report(fit, estimate_quantities(), report, summary, run);
   run.say(assumptions(q));
   run.say(fmt::format("residual rms {:.6g} rad over {} trials", fit.rms, q.trials.size()));
   summary["force_curve"] = q.trials.front().force_smooth > 0 ? "smooth" : "linear";

@@ -34,7 +34,7 @@ Quantities<RatedPlan> rating_quantities(const std::vector<RatedPlan>& plans) {
   return out;
 }
 
-/// A line a torque.
+/// A curve over motor speed for each motor torque.
 std::vector<Series> curves(const std::vector<RatedPlan>& plans, const char* what, Optimum RatedPlan::*best) {
   std::map<double, Series> by_torque;
   for (const RatedPlan& p : plans) {

@@ -14,22 +14,22 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Where a figure will stand: a character that no text shown has.
+/// Stands for a figure until it is drawn: a control character, which no shown text has.
 std::string placeholder(std::size_t figure) { return fmt::format("\x01{}\x02", figure); }
 
-/// What a page shows of a long table; the rest is for programs.
+/// Limit of the rows that a page shows of a table.
 constexpr std::size_t kMostRows = 300;
 
 constexpr const char* kEnd = "</div>\n";
 
-/// Whether a reader may zoom into it: curves and points over axes of numbers.
+/// Whether curves.js zooms it: curves and points over numeric axes.
 bool zoomable(const Panel& p) {
   return p.scale == Panel::Scale::kFree && p.rows.empty() &&
          std::none_of(p.series.begin(), p.series.end(),
-                      [](auto& s) { return s.look == Series::Look::kBars || s.look == Series::Look::kIntervals; });
+                      [](auto& s) { return s.style == Series::Style::kBars || s.style == Series::Style::kIntervals; });
 }
 
-Json panel_json(const Panel& p, const Place& at) {
+Json panel_json(const Panel& p, const PanelArea& at) {
   Json out = {{"left", at.left},
               {"right", at.right},
               {"top", at.top},
@@ -49,19 +49,19 @@ Json panel_json(const Panel& p, const Place& at) {
   return out;
 }
 
-/// The panels that are drawn, in their order, for curves.js; null: not to be zoomed. Empty: none is.
+/// The drawn panels in order, for curves.js; null: not zoomable. Empty text where no panel is zoomable.
 std::string panels_json(const Figure& f, const Drawing& d) {
   Json out = Json::array();
   bool any = false;
   for (std::size_t i = 0; i < f.panels.size(); ++i) {
     if (f.panels[i].series.empty()) continue;
     any |= zoomable(f.panels[i]);
-    out.push_back(zoomable(f.panels[i]) ? panel_json(f.panels[i], d.places[i]) : Json());
+    out.push_back(zoomable(f.panels[i]) ? panel_json(f.panels[i], d.areas[i]) : Json());
   }
   return any ? printed(out.dump(-1, ' ', false, Json::error_handler_t::replace)) : "";
 }
 
-/// The class and the data of a figure's element.
+/// Opening tag of a figure.
 std::string opening(const Figure& f, const Drawing& d) {
   std::string out = "<figure id=\"figure-" + escaped(f.name) + "\"";
   if (f.width == Figure::Width::kWhole) out += " class=\"whole\"";
@@ -72,10 +72,10 @@ std::string opening(const Figure& f, const Drawing& d) {
 
 std::string element(const Figure& f, const Drawing& d) {
   std::string svg = d.svg;
-  std::string described = f.caption.empty() ? f.name : f.caption;
+  std::string description = f.caption.empty() ? f.name : f.caption;
   for (const Panel& p : f.panels)
-    if (f.panels.size() == 1) described = p.y_label + " against " + p.x_label + ". " + f.caption;
-  svg.replace(0, 4, "<svg role=\"img\" aria-label=\"" + escaped(described) + "\"");
+    if (f.panels.size() == 1) description = p.y_label + " against " + p.x_label + ". " + f.caption;
+  svg.replace(0, 4, "<svg role=\"img\" aria-label=\"" + escaped(description) + "\"");
   std::string out = opening(f, d) + "<div class=\"drawing\">" + svg + "</div>";
   if (!f.caption.empty()) out += "<figcaption>" + prose(f.caption) + "</figcaption>";
   return out + "</figure>\n";
@@ -105,7 +105,7 @@ void Report::list(const std::vector<std::string>& items) {
   html_ += "</ul>\n";
 }
 void Report::distrust(const std::vector<std::string>& sentences) {
-  if (sentences.empty()) return;  // the checklist says it
+  if (sentences.empty()) return;  // the checklist says so
   body() += "<section class=\"doubt\"><h2>What to distrust</h2>\n";
   list(sentences);
   html_ += "</section>\n";
@@ -135,12 +135,12 @@ void Report::matrix(const std::vector<std::string>& names, const std::vector<std
   for (std::size_t i = 0; i < rows.size(); ++i) {
     html_ += "<tr><td>" + escaped(names[i]) + "</td>";
     for (const double v : rows[i]) {
-      // From white to blue below zero and to orange above it, as far as the number is from zero.
-      const std::array<int, 3> end = v < 0 ? std::array{86, 180, 233} : std::array{230, 159, 0};
-      const double part = std::isfinite(v) ? std::min(1.0, std::abs(v)) : 0;
-      const auto mixed = [&](int c) { return int(std::lround(255 + part * (c - 255))); };
-      html_ += std::isfinite(v) ? fmt::format("<td style=\"background:rgb({},{},{})\">{:.2f}</td>", mixed(end[0]),
-                                              mixed(end[1]), mixed(end[2]), v)
+      // From white at 0 to blue at -1 and orange at 1.
+      const std::array<int, 3> colour = v < 0 ? std::array{86, 180, 233} : std::array{230, 159, 0};
+      const double fraction = std::isfinite(v) ? std::min(1.0, std::abs(v)) : 0;
+      const auto blend = [&](int c) { return int(std::lround(255 + fraction * (c - 255))); };
+      html_ += std::isfinite(v) ? fmt::format("<td style=\"background:rgb({},{},{})\">{:.2f}</td>", blend(colour[0]),
+                                              blend(colour[1]), blend(colour[2]), v)
                                 : "<td></td>";
     }
     html_ += "</tr>\n";
@@ -153,13 +153,14 @@ void Report::figure(Figure f) {
   for (const std::vector<Figure>* const all : {&figures_, &in_files_})
     for (const Figure& other : *all)
       if (other.name == f.name) throw std::logic_error(f.name + ": two figures of one name");
-  constexpr std::size_t kMost = 6000, kFewest = 100, kEnough = 700;  // of parts, of a figure and of a line
+  constexpr std::size_t kMaxParts = 6000, kMinLineParts = 100,
+                        kMaxLineParts = 700;  // of a figure, of a line
   std::size_t lines = 0;
   for (const Panel& p : f.panels) lines += p.series.size();
   for (Panel& p : f.panels)
     for (Series& s : p.series)
-      if (s.low.empty()) s = thinned(s, std::clamp(kMost / lines, kFewest, kEnough));
-  if (f.in == Figure::In::kFile) return in_files_.push_back(std::move(f));
+      if (s.low.empty()) s = thinned(s, std::clamp(kMaxParts / lines, kMinLineParts, kMaxLineParts));
+  if (f.target == Figure::Target::kFile) return in_files_.push_back(std::move(f));
   if (!in_figures_) html_ += "<div class=\"figures\">\n";
   in_figures_ = true;
   html_ += placeholder(figures_.size());
@@ -216,7 +217,7 @@ void Report::write(Run& run, const std::vector<std::string>& formats) const {
 }
 
 namespace {
-/// Dark blue over green to light yellow, 0..1.
+/// Colour of a value in [0, 1]: dark blue over green to light yellow.
 std::string colour(double s) {
   static constexpr double kStops[5][3] = {{28, 20, 70}, {45, 90, 140}, {40, 150, 130}, {130, 200, 90}, {250, 230, 150}};
   const double x = std::clamp(s, 0.0, 1.0) * 4;
@@ -230,10 +231,11 @@ std::string colour(double s) {
 
 namespace {
 
-/// A heat map as an SVG: where it stands in the picture, and its parts one after the other.
+/// Draws a heat map as an SVG; sizes in pixels.
 class HeatmapPicture {
  public:
-  explicit HeatmapPicture(const Heatmap& m) : map_(m), w_(kInner / double(m.x.size())), h_(kTall / double(m.y.size())) {
+  explicit HeatmapPicture(const Heatmap& m)
+      : map_(m), w_(kInnerW / double(m.x.size())), h_(kInnerH / double(m.y.size())) {
     std::vector<double> sorted;
     for (const double v : m.values)
       if (std::isfinite(v)) sorted.push_back(v);
@@ -245,24 +247,24 @@ class HeatmapPicture {
         "aria-label=\"{} against {}\" font-size=\"12\" font-family=\"sans-serif\" fill=\"currentColor\" "
         "shape-rendering=\"crispEdges\">",
         kWidth, kHeight, kWidth, escaped(m.y_label), escaped(m.x_label));
-    cells(), axes(), scale(), mark(), values();
+    draw_cells(), draw_axes(), draw_scale(), draw_mark(), add_values();
     svg_ += "</svg>";
   }
   const std::string& text() const { return svg_; }
 
  private:
   static constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kBottom = 45, kTop = 25, kRight = 90,
-                          kInner = kWidth - kLeft - kRight, kTall = kHeight - kBottom - kTop;
-  static constexpr int kSteps = 48;  // equal neighbours are drawn as one
+                          kInnerW = kWidth - kLeft - kRight, kInnerH = kHeight - kBottom - kTop;
+  static constexpr int kSteps = 48;  // of the colour scale; neighbours of one step are drawn as one rectangle
 
-  void box(double x, double y, double width, double height, int step) {
+  void rect(double x, double y, double width, double height, int step) {
     svg_ += fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"{}\"/>", x, y, width,
                         height, colour(double(step) / kSteps));
   }
-  void say(double x, double y, const char* anchor, const std::string& s) {
+  void label(double x, double y, const char* anchor, const std::string& s) {
     svg_ += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"{}\">{}</text>", x, y, anchor, prose(s));
   }
-  void cells() {
+  void draw_cells() {
     const std::size_t nx = map_.x.size();
     const auto shade = [&](std::size_t i, std::size_t j) {
       const double v = map_.values[j * nx + i];
@@ -274,42 +276,43 @@ class HeatmapPicture {
         const std::size_t begin = i;
         while (i < nx && shade(i, j) == step) ++i;
         if (step >= 0)
-          box(kLeft + w_ * double(begin), kTop + kTall - h_ * double(j + 1), w_ * double(i - begin), h_ + 0.3, step);
+          rect(kLeft + w_ * double(begin), kTop + kInnerH - h_ * double(j + 1), w_ * double(i - begin), h_ + 0.3, step);
       }
   }
-  void axes() {
+  void draw_axes() {
     for (int q = 0; q <= 4; ++q) {
       const double s = q / 4.0, x = at(map_.x, s), y = at(map_.y, s);
-      say(kLeft + place(map_.x, x, w_), kTop + kTall + 18, "middle", fmt::format("{:.3g}", x));
-      say(kLeft - 6, kTop + kTall - place(map_.y, y, h_) + 4, "end", fmt::format("{:.3g}", y));
-      say(kWidth - kRight + 40, kTop + kTall * (1 - s) + 4, "start", fmt::format("{:.4g}", low_ + s * (high_ - low_)));
+      label(kLeft + pixels(map_.x, x, w_), kTop + kInnerH + 18, "middle", fmt::format("{:.3g}", x));
+      label(kLeft - 6, kTop + kInnerH - pixels(map_.y, y, h_) + 4, "end", fmt::format("{:.3g}", y));
+      label(kWidth - kRight + 40, kTop + kInnerH * (1 - s) + 4, "start",
+            fmt::format("{:.4g}", low_ + s * (high_ - low_)));
     }
-    say(kLeft + kInner / 2, kHeight - 8, "middle", map_.x_label);
-    say(5, 14, "start", map_.y_label);
+    label(kLeft + kInnerW / 2, kHeight - 8, "middle", map_.x_label);
+    label(5, 14, "start", map_.y_label);
   }
   static double at(const std::vector<double>& axis, double part) { return std::lerp(axis.front(), axis.back(), part); }
-  void scale() {
+  void draw_scale() {
     for (int q = 0; q < kSteps; ++q)
-      box(kWidth - kRight + 15, kTop + kTall * (1 - double(q + 1) / kSteps), 18, kTall / kSteps + 0.3, q);
+      rect(kWidth - kRight + 15, kTop + kInnerH * (1 - double(q + 1) / kSteps), 18, kInnerH / kSteps + 0.3, q);
   }
-  /// Cells stand about their points: the first point is half a cell inside.
-  static double place(const std::vector<double>& axis, double v, double cell) {
+  /// Distance of a value from the axis' start; grid points are centres of cells.
+  static double pixels(const std::vector<double>& axis, double v, double cell) {
     const double step = axis.size() > 1 ? (axis.back() - axis.front()) / double(axis.size() - 1) : 1;
     return cell * (0.5 + (v - axis.front()) / step);
   }
-  void mark() {
+  void draw_mark() {
     if (!map_.mark) return;
     const Heatmap::Mark& m = *map_.mark;
-    const double x = kLeft + place(map_.x, m.x, w_), y = kTop + kTall - place(map_.y, m.y, h_),
-                 dx = place(map_.x, m.x + m.dx, w_) - place(map_.x, m.x, w_),
-                 dy = place(map_.y, m.y + m.dy, h_) - place(map_.y, m.y, h_);
+    const double x = kLeft + pixels(map_.x, m.x, w_), y = kTop + kInnerH - pixels(map_.y, m.y, h_),
+                 dx = pixels(map_.x, m.x + m.dx, w_) - pixels(map_.x, m.x, w_),
+                 dy = pixels(map_.y, m.y + m.dy, h_) - pixels(map_.y, m.y, h_);
     svg_ += fmt::format(
         "<g fill=\"none\" stroke=\"#d62728\" stroke-width=\"1.5\"><path d=\"M{0:.1f} {1:.1f}h16M{2:.1f} "
         "{3:.1f}v16\"/><rect x=\"{4:.1f}\" y=\"{5:.1f}\" width=\"{6:.1f}\" height=\"{7:.1f}\"/></g>",
         x - 8, y, x, y - 8, x - dx, y - dy, 2 * dx, 2 * dy);
   }
-  /// What the script reads: where the picture's inside is, and the numbers.
-  void values() {
+  /// Data for script.js: position of the axes' box, labels, values.
+  void add_values() {
     const auto list = [](const std::vector<double>& v) {
       std::string out = "[";
       for (const double x : v)
@@ -319,12 +322,12 @@ class HeatmapPicture {
     const Json labels = {printed(map_.x_label), printed(map_.y_label)};
     svg_ +=
         fmt::format("<metadata>{{\"inside\":[{},{},{},{}],\"labels\":{},\"x\":{},\"y\":{},\"values\":{}}}</metadata>",
-                    kLeft, kTop, kInner, kTall, escaped(labels.dump(-1, ' ', false, Json::error_handler_t::replace)),
+                    kLeft, kTop, kInnerW, kInnerH, escaped(labels.dump(-1, ' ', false, Json::error_handler_t::replace)),
                     list(map_.x), list(map_.y), list(map_.values));
   }
 
   const Heatmap& map_;
-  const double w_, h_;
+  const double w_, h_;  // of a cell
   double low_ = 0, high_ = 1;
   std::string svg_;
 };

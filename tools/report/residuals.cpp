@@ -15,7 +15,7 @@ using identify::Trial;
 
 namespace {
 
-constexpr std::size_t kSideBySide = 4, kMostTrials = 12;
+constexpr std::size_t kColumns = 4, kMaxTrials = 12;
 
 /// phi_sim - phi, empty where one of them is missing.
 std::vector<double> residual(const Trial& t, const identify::TrialResult& r) {
@@ -31,30 +31,30 @@ Panel panel_of(const std::string& title, const std::string& x_label, const std::
 }
 
 void add(Panel& p, const std::string& name, const std::vector<double>& t, const std::vector<double>& y,
-         Series::Look look, int colour) {
-  if (!y.empty() && y.size() == t.size()) p.series.push_back({name, t, y, look, colour});
+         Series::Style style, int colour) {
+  if (!y.empty() && y.size() == t.size()) p.series.push_back({name, t, y, style, colour});
 }
 
 std::vector<Panel> force_angle_residual(const Trial& t, const identify::TrialResult& r, std::size_t number,
                                         const identify::JudgedTrial* judged) {
   const std::string file = t.file.substr(t.file.rfind('/') + 1);
-  constexpr std::size_t kLetters = 24;
-  Panel force = panel_of(fmt::format("{}: {}", number, file.size() > kLetters ? file.substr(0, kLetters) : file), "",
-                         "force [N]");
-  Panel angle = panel_of("", "", "phi_1 [rad]"), rest = panel_of("", "t [s]", "residual [mrad]");
-  add(force, "", t.t, t.force, Series::Look::kLine, 2);
-  if (t.force.empty()) force.y_label = "phi_ref [rad]", add(force, "", t.t, t.phi_ref, Series::Look::kLine, 2);
-  add(angle, "", t.t, t.phi, Series::Look::kPoints, 0);
-  add(angle, "", t.t, r.phi, Series::Look::kLine, 1);
-  const auto milli = [&](std::vector<double> values, double factor, Series::Look look, int colour) {
+  constexpr std::size_t kMaxLetters = 24;
+  Panel force = panel_of(fmt::format("{}: {}", number, file.size() > kMaxLetters ? file.substr(0, kMaxLetters) : file),
+                         "", "force [N]");
+  Panel angle = panel_of("", "", "phi_1 [rad]"), residuals = panel_of("", "t [s]", "residual [mrad]");
+  add(force, "", t.t, t.force, Series::Style::kLine, 2);
+  if (t.force.empty()) force.y_label = "phi_ref [rad]", add(force, "", t.t, t.phi_ref, Series::Style::kLine, 2);
+  add(angle, "", t.t, t.phi, Series::Style::kPoints, 0);
+  add(angle, "", t.t, r.phi, Series::Style::kLine, 1);
+  const auto add_milli = [&](std::vector<double> values, double factor, Series::Style style, int colour) {
     for (double& x : values) x *= factor * 1e3;
-    add(rest, "", t.t, values, look, colour);
+    add(residuals, "", t.t, values, style, colour);
   };
-  milli(residual(t, r), 1, Series::Look::kLine, 0);
+  add_milli(residual(t, r), 1, Series::Style::kLine, 0);
   for (const double side : {-1.0, 1.0})
-    if (judged) milli(judged->phi, side, Series::Look::kDashed, 1);
-  for (Panel* p : {&force, &angle, &rest}) p->x_range = {{t.t.front(), t.t.back()}};
-  return {force, angle, rest};
+    if (judged) add_milli(judged->phi, side, Series::Style::kDashed, 1);
+  for (Panel* p : {&force, &angle, &residuals}) p->x_range = {{t.t.front(), t.t.back()}};
+  return {force, angle, residuals};
 }
 
 }  // namespace
@@ -73,15 +73,15 @@ double autocorrelation(const std::vector<double>& values, std::size_t lag) {
 Figure trials_figure(const std::vector<Trial>& trials, const Fit& fit, const identify::Judgement* judged) {
   Figure out;
   out.name = "trials", out.width = Figure::Width::kWhole, out.panel_height = 150;
-  const std::size_t shown = std::min(trials.size(), kMostTrials);
-  out.columns = int(std::min(kSideBySide, shown));
-  for (std::size_t first = 0; first < shown; first += kSideBySide) {
-    std::vector<std::vector<Panel>> beside;
-    for (std::size_t m = first; m < std::min(first + kSideBySide, shown); ++m)
-      beside.push_back(force_angle_residual(trials[m], fit.trials[m], m + 1, judged ? &judged->trials[m] : nullptr));
-    beside.resize(std::size_t(out.columns));
+  const std::size_t shown = std::min(trials.size(), kMaxTrials);
+  out.columns = int(std::min(kColumns, shown));
+  for (std::size_t first = 0; first < shown; first += kColumns) {
+    std::vector<std::vector<Panel>> columns;
+    for (std::size_t m = first; m < std::min(first + kColumns, shown); ++m)
+      columns.push_back(force_angle_residual(trials[m], fit.trials[m], m + 1, judged ? &judged->trials[m] : nullptr));
+    columns.resize(std::size_t(out.columns));
     for (std::size_t row = 0; row < 3; ++row)
-      for (std::vector<Panel>& trial : beside) out.panels.push_back(trial.empty() ? Panel() : trial[row]);
+      for (std::vector<Panel>& trial : columns) out.panels.push_back(trial.empty() ? Panel() : trial[row]);
   }
   out.caption = fmt::format(
       "Each trial: what drove it; the angle, measured (points) and predicted (line); the residual (predicted - "
@@ -101,7 +101,7 @@ std::vector<Figure> residual_figures(const std::vector<Trial>& trials, const Fit
   }
   std::erase_if(residuals, [](const auto& r) { return r.size() <= kLags; });
   if (residuals.empty()) return {};
-  Series correlation{"", {}, {}, Series::Look::kPoints, 0};
+  Series correlation{"", {}, {}, Series::Style::kPoints, 0};
   double samples = 0;
   for (const auto& r : residuals) samples += double(r.size());
   for (std::size_t lag = 1; lag <= kLags; ++lag) {
@@ -109,38 +109,38 @@ std::vector<Figure> residual_figures(const std::vector<Trial>& trials, const Fit
     for (const auto& r : residuals) sum += autocorrelation(r, lag);
     correlation.x.push_back(double(lag)), correlation.y.push_back(sum / double(residuals.size()));
   }
-  Figure first, second;
-  first.name = "autocorrelation", second.name = "residuals";
+  Figure correlations, histogram;
+  correlations.name = "autocorrelation", histogram.name = "residuals";
   Panel p = panel_of("", "lag [samples]", "autocorrelation");
   p.series = {correlation};
   const double band = kNormal975 / std::sqrt(samples);
   p.levels = {{band, "95 % of white noise"}, {-band, ""}};
   p.x_range = {{0, double(kLags) + 1}};
-  first.panels = {p};
-  first.caption = "Autocorrelation of the residuals, the mean over the trials: within the band they are white.";
+  correlations.panels = {p};
+  correlations.caption = "Autocorrelation of the residuals, the mean over the trials: within the band they are white.";
   const auto [low, high] = std::minmax_element(all.begin(), all.end());
   constexpr int kBins = 40;
   const double from = *low, width = (*high - *low) / kBins;
   std::vector<double> counts(kBins, 0);
   for (const double r : all)
     if (width > 0) ++counts[std::size_t(std::clamp(int((r - from) / width), 0, kBins - 1))];
-  Series outline{"", {1e3 * from}, {0}, Series::Look::kLine, 0};
+  Series outline{"", {1e3 * from}, {0}, Series::Style::kLine, 0};
   for (int b = 0; b < kBins; ++b)
     for (const int edge : {b, b + 1})
       outline.x.push_back(1e3 * (from + edge * width)), outline.y.push_back(counts[std::size_t(b)]);
   outline.x.push_back(1e3 * *high), outline.y.push_back(0);
   Panel h = panel_of("", "residual [mrad]", "samples");
   h.series = {outline};
-  second.panels = {h};
-  second.caption = "How the residuals of all trials are distributed.";
-  return {first, second};
+  histogram.panels = {h};
+  histogram.caption = "How the residuals of all trials are distributed.";
+  return {correlations, histogram};
 }
 
 Figure constants_figure(const std::vector<identify::Estimate>& estimates) {
   Figure out;
   out.name = "constants";
   Panel p = panel_of("", "95 % interval [% of the value]", "");
-  Series s{"", {}, {}, Series::Look::kIntervals, 0};
+  Series s{"", {}, {}, Series::Style::kIntervals, 0};
   std::vector<const identify::Estimate*> known;
   for (const identify::Estimate& e : estimates)
     if (e.std && e.value != 0 && std::isfinite(*e.std)) known.push_back(&e);

@@ -1,4 +1,4 @@
-// A fit in pictures: every trial on one screen, what the residuals look like, the constants with their intervals.
+// Figures of a fit: its trials, the residuals, the constants with their intervals.
 #pragma once
 
 #include <vector>
@@ -8,20 +8,19 @@
 
 namespace ukemi::tools {
 
-/// Force, angle and residual of each trial, one above the other; four trials side by side, twelve at most. Where they
-/// were judged, the 95 % band about the residual.
+/// Force, angle and residual of each trial in a column; four columns a row, at most twelve trials. With `judged` the
+/// 95 % band about the residual.
 Figure trials_figure(const std::vector<identify::Trial>& trials, const identify::Fit& fit,
                      const identify::Judgement* judged = nullptr);
-/// Of the residuals of phi: their autocorrelation, the mean over the trials, and how they are distributed.
+/// Residuals of phi: autocorrelation, averaged over the trials, and histogram.
 std::vector<Figure> residual_figures(const std::vector<identify::Trial>& trials, const identify::Fit& fit);
-/// Estimates with their 95 % intervals, in percent of the value: how well each is known. What has no interval is left
-/// out.
+/// 95 % intervals of the estimates relative to their values [%]; an estimate without an interval is left out.
 Figure constants_figure(const std::vector<identify::Estimate>& estimates);
 
-/// Names of all these figures.
+/// Names of these figures.
 std::vector<std::string> fit_figures();
 
-/// The mean product of neighbours `lag` apart over the mean square, of numbers about their mean.
+/// sum_i d_i d_{i+lag} / sum_i d_i^2 of the deviations d from the mean; NaN for too few values.
 double autocorrelation(const std::vector<double>& values, std::size_t lag);
 
 }  // namespace ukemi::tools

@@ -22,12 +22,12 @@ using namespace landing;
 
 namespace {
 
-std::string spaced(std::string name) {
+std::string with_spaces(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
 
-/// Something that happens in some of the drops.
+/// An event and the number of drops in which it happens.
 struct Share {
   std::string key, words;
   long drops, of;
@@ -53,7 +53,7 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
       return {"motor_torque_max" + key, fmt::format("{} pulls with more than {:.4g} Nm", motor, e.limit), e.drops, of};
     case Kind::kLoad: {
       const Load load = t.load(e.load);
-      return {"load_" + load.name, fmt::format("the load {} {}", load.name, beyond_words(load)), e.drops, of};
+      return {"load_" + load.name, fmt::format("the load {} {}", load.name, exceeded_words(load)), e.drops, of};
     }
     case Kind::kStops:
       return {"joint" + key, fmt::format("the joint {}leaves its stops", joint.empty() ? "" : joint + " "), e.drops,
@@ -80,16 +80,16 @@ std::string interval_words(const Interval& i) {
 Quantities<PeakRisk::Uncertainty> index_quantities() {
   Quantities<PeakRisk::Uncertainty> out = {
       {"name", "", &PeakRisk::Uncertainty::name},
-      {"", "", "uncertainty", "{}", [](const PeakRisk::Uncertainty& u) { return spaced(u.name); }}};
-  const auto index = [&](const std::string& key, const std::string& words, Interval SobolIndex::*which) {
-    const auto number = [&](const std::string& csv, const std::string& json, double Interval::*of) {
-      out.push_back({csv, json, "", {}, [=](const PeakRisk::Uncertainty& u) { return u.index.*which.*of; }});
+      {"", "", "uncertainty", "{}", [](const PeakRisk::Uncertainty& u) { return with_spaces(u.name); }}};
+  const auto index = [&](const std::string& key, const std::string& words, Interval SobolIndex::*order) {
+    const auto number = [&](const std::string& csv, const std::string& json, double Interval::*member) {
+      out.push_back({csv, json, "", {}, [=](const PeakRisk::Uncertainty& u) { return u.index.*order.*member; }});
     };
     number(key, key, &Interval::value);
     number(key + "_low", key + "_ci95/0", &Interval::low);
     number(key + "_high", key + "_ci95/1", &Interval::high);
     out.push_back(
-        {"", "", words, "{}", [=](const PeakRisk::Uncertainty& u) { return interval_words(u.index.*which); }});
+        {"", "", words, "{}", [=](const PeakRisk::Uncertainty& u) { return interval_words(u.index.*order); }});
   };
   index("first", "share of the variance alone (95 %)", &SobolIndex::first);
   index("total", "with the others (95 %)", &SobolIndex::total);
@@ -125,28 +125,28 @@ Figure sobol_figure(const PeakRisk& r) {
   out.name = "sobol";
   Panel p;
   p.x_label = "share of the variance of the peak";
-  Series total{"with the others", {}, {}, Series::Look::kBars, 5},
-      first{"alone (95 %)", {}, {}, Series::Look::kIntervals, 1};
+  Series total{"with the others", {}, {}, Series::Style::kBars, 5},
+      first{"alone (95 %)", {}, {}, Series::Style::kIntervals, 1};
   for (std::size_t i = 0; i < r.uncertainties.size(); ++i) {
     const PeakRisk::Uncertainty& u = r.uncertainties[i];
     const double row = double(r.uncertainties.size() - i);
-    p.rows.push_back(spaced(u.name));
+    p.rows.push_back(with_spaces(u.name));
     total.x.push_back(u.index.total.value), total.y.push_back(row);
     first.x.push_back(u.index.first.value), first.y.push_back(row - 0.18);
     first.low.push_back(u.index.first.low), first.high.push_back(u.index.first.high);
   }
-  Series spread{"with the others (95 %)", total.x, total.y, Series::Look::kIntervals, Series::kInk};
-  for (double& y : spread.y) y += 0.18;
+  Series total_interval{"with the others (95 %)", total.x, total.y, Series::Style::kIntervals, Series::kInk};
+  for (double& y : total_interval.y) y += 0.18;
   for (const PeakRisk::Uncertainty& u : r.uncertainties)
-    spread.low.push_back(u.index.total.low), spread.high.push_back(u.index.total.high);
-  p.series = {total, spread, first};
+    total_interval.low.push_back(u.index.total.low), total_interval.high.push_back(u.index.total.high);
+  p.series = {total, total_interval, first};
   out.panels = {p}, out.panel_height = 110 + 30.0 * double(p.rows.size());
   out.caption =
       "Which uncertainty makes the peak scatter: what it brings alone and together with the others (sobol.csv).";
   return out;
 }
 
-/// Which uncertainty matters most, or why that is not known.
+/// The uncertainty with the largest total Sobol index, or why that is not known.
 std::string index_words(const PeakRisk& r) {
   using WhyNone = PeakRisk::WhyNone;
   switch (r.why_none) {
@@ -164,15 +164,15 @@ std::string index_words(const PeakRisk& r) {
   if (r.uncertainties.empty() || !std::isfinite(r.uncertainties.front().index.total.value))
     return "The peak does not depend on what scatters.";
   const PeakRisk::Uncertainty& u = r.uncertainties.front();
-  return fmt::format("What matters most: {}, with {} of the variance alone and {} with the others.", spaced(u.name),
-                     percent_words(u.index.first.value), percent_words(u.index.total.value));
+  return fmt::format("What matters most: {}, with {} of the variance alone and {} with the others.",
+                     with_spaces(u.name), percent_words(u.index.first.value), percent_words(u.index.total.value));
 }
 
 std::string held_comparison(const PeakRisk& r, bool rated) {
-  const double own = r.peaks.cvar90.value, held = r.held.cvar90.value;
+  const double cvar = r.peaks.cvar90.value, held = r.held.cvar90.value;
   if (!std::isfinite(held)) return "The held reference could not be followed.";
   return fmt::format("The worst tenth of the drops: {} on average, {:.1f} % {} holding's {:.4g}.",
-                     worth_words(own, rated), 100 * std::abs(1 - own / held), own > held ? "above" : "below", held);
+                     goal_text(cvar, rated), 100 * std::abs(1 - cvar / held), cvar > held ? "above" : "below", held);
 }
 
 void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
@@ -196,7 +196,7 @@ void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
                          r.index_failed, r.index_landings));
   if (r.peaks.cvar90.value > r.held.cvar90.value)
     run.warn(fmt::format("the worst tenth of the drops is worse than that of the reference {}: {:.4g} and {}", t.held,
-                         r.peaks.cvar90.value, worth_words(r.held.cvar90.value, t.rated)));
+                         r.peaks.cvar90.value, goal_text(r.held.cvar90.value, t.rated)));
 }
 
 FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
@@ -229,14 +229,14 @@ std::string drops_words(const Scatter& scatter, bool assumed, const std::string&
 
 int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::string()>& worst, Run& run) {
   warn(r, t, run);
-  const std::vector<NamedDistribution> both = {{"motion", r.peaks}, {t.held, r.held}};
+  const std::vector<NamedDistribution> distributions = {{"motion", r.peaks}, {t.held, r.held}};
   const std::string what = distributed_words(t.acceleration, t.rated);
-  const Table peaks(named_quantities(what), both);
-  std::vector<Share> touches, passings;
+  const Table peaks(named_quantities(what), distributions);
+  std::vector<Share> touches, exceedances;
   for (const RiskEvent& e : r.events)
-    (e.kind == RiskEvent::Kind::kTouch ? touches : passings).push_back(share_of(e, t, r.peaks.samples));
+    (e.kind == RiskEvent::Kind::kTouch ? touches : exceedances).push_back(share_of(e, t, r.peaks.samples));
   const Table touched(share_quantities("forbidden"), touches),
-      passed(share_quantities(t.load ? "rating, stop or load" : "rating or stop"), passings),
+      exceeded(share_quantities(t.load ? "rating, stop or load" : "rating or stop"), exceedances),
       contacts(peak_contact_quantities(t.point, r.peaks.samples), r.contacts),
       indices(index_quantities(), r.uncertainties);
   const auto keyed = [](const Table& x) { return x.keyed().is_null() ? Json::object() : x.keyed(); };
@@ -244,7 +244,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
                   {"held", peaks.object(1)},
                   {"contacts", contacts.objects()},
                   {"forbidden", keyed(touched)},
-                  {"ratings", keyed(passed)},
+                  {"ratings", keyed(exceeded)},
                   {"sobol", keyed(indices)},
                   {"sobol_landings", r.index_landings},
                   {"scatter", t.scatter ? Json(text_of(*t.scatter)) : Json()},
@@ -280,7 +280,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
         indices, page, run, "sobol.csv",
         "Shares of the variance of the peak: first, what a number brings alone; total, with what it does together "
         "with others; low, high: 95 % intervals.");
-  for (const Table* x : {&contacts, &touched, &passed})
+  for (const Table* x : {&contacts, &touched, &exceeded})
     if (!x->shown().empty()) add_table(*x, page, run);
   page.answer(first_screen(r, t), run.warnings());
   page.distrust(run.warnings());

@@ -1,4 +1,4 @@
-// The risk of a motion, as the verb hands it over and the report tells it.
+// Report of the risk of a motion over drops that scatter.
 #pragma once
 
 #include <functional>
@@ -15,31 +15,31 @@ struct RiskStudy {
   landing::Scene scene;
   Actuator actuator;
   landing::Motion motion;
-  std::optional<landing::Scatter> scatter;  ///< none: the drops were measured
-  bool assumed = false;                     ///< nobody said what the scatter is
-  landing::DropModel::Options scattering;   ///< with `scatter`: of the constants and the execution
+  std::optional<landing::Scatter> scatter;  ///< absent: the drops were measured
+  bool assumed = false;                     ///< neither option nor scene gives the scatter
+  landing::DropModel::Options scattering;   ///< with `scatter`: scatter of constants and execution
   landing::Risk risk;
 };
 
-/// What is told of a risk beside its numbers.
+/// What the report of a risk needs besides its numbers.
 struct RiskTexts {
-  std::string scene, source;  ///< names; source: of the floor's constants
+  std::string scene, source;  ///< name; where the floor's constants come from
   std::string motion, drops;  ///< sentences
-  std::string held;           ///< the reference
+  std::string held;           ///< the held reference: "held at -45 deg"
   std::optional<landing::Scatter> scatter;
   bool assumed = false;
   Json of_motion;
-  std::string acceleration = "|ddr_0|";  ///< of the point that counts
-  bool rated = false;                    ///< the peaks are largest loads, as parts of their ratings
+  std::string acceleration = "|ddr_0|";  ///< its symbol
+  bool rated = false;                    ///< peaks are loads divided by their ratings
   PointName point = point_name;
-  std::function<std::string(int)> joint = {};   ///< names of a robot of links
-  std::function<landing::Load(int)> load = {};  ///< of one
-  std::optional<double> kept = {};              ///< of a scene with limits: the share of drops that keeps them all
+  std::function<std::string(int)> joint = {};   ///< names of joints of a robot of links
+  std::function<landing::Load(int)> load = {};  ///< loads of a robot of links
+  std::optional<double> kept = {};              ///< share of drops that keep all limits; absent: none
 };
-/// The sentence of the drops: standard deviations, and whose constants scatter how.
+/// How the drops scatter, in sentences; `whose` constants scatter if `uncertain`, by `inflate` times their errors.
 std::string drops_words(const landing::Scatter& scatter, bool assumed, const std::string& whose, bool uncertain,
                         double inflate, bool inexact);
-/// Warns, tells and writes; returns the exit code. `worst`: the text of risk.csv, empty: none.
+/// Reports and writes a risk. Returns the exit code. `worst`: the text of risk.csv, empty: none.
 int report(const landing::PeakRisk& risk, const RiskTexts& texts, const std::function<std::string()>& worst, Run& run);
 
 }  // namespace ukemi::tools

@@ -14,10 +14,10 @@ namespace {
 
 using Path = TomlEdit::Place;
 
-/// KEY, or of places KEY.along and KEY.across.
-void set_in(TomlEdit& file, const Path& table, const std::vector<std::string>& key, double value) {
+/// Sets KEY, KEY.SUBKEY of an inline table, or KEY.along and KEY.across of a place, an array.
+void set_nested(TomlEdit& file, const Path& table, const std::vector<std::string>& key, double value) {
   if (key.size() == 1) return set_key(file, table, key[0], value);
-  if (key[1] == "along" || key[1] == "across") return set_of_pair(file, table, key[0], key[1] == "across", value);
+  if (key[1] == "along" || key[1] == "across") return set_element(file, table, key[0], key[1] == "across", value);
   if (!file.has(table, key[0]))
     return file.set_raw(table, key[0], fmt::format("{{ {} = {} }}", key[1], shortest(value)));
   Path inner = table;
@@ -43,12 +43,12 @@ void set_stop(TomlEdit& file, const std::string& name, const std::string& key, d
     file.set_raw(table, "phi_deg",
                  fmt::format("[{}, {}]", shortest(radians[0] * kDegrees), shortest(radians[1] * kDegrees)));
   }
-  set_of_pair(file, table, key.ends_with("_deg") ? "phi_deg" : "s", key.starts_with("high"), value);
+  set_element(file, table, key.ends_with("_deg") ? "phi_deg" : "s", key.starts_with("high"), value);
 }
 
 }  // namespace
 
-std::vector<std::string> parts_of(const std::string& name) {
+std::vector<std::string> split_name(const std::string& name) {
   std::vector<std::string> out;
   for (std::size_t begin = 0, end; begin <= name.size(); begin = end + 1) {
     end = std::min(name.find('.', begin), name.size());
@@ -72,7 +72,7 @@ void set_key(TomlEdit& file, const Path& table, const std::string& key, double v
   file.set(table, key, value);
 }
 
-void set_of_pair(TomlEdit& file, const Path& table, const std::string& key, std::size_t which, double value) {
+void set_element(TomlEdit& file, const Path& table, const std::string& key, std::size_t which, double value) {
   std::vector<double> pair = file.numbers_at(table, key);
   pair.resize(2, 0);
   if (pair[which] == value && file.has(table, key)) return;
@@ -81,13 +81,13 @@ void set_of_pair(TomlEdit& file, const Path& table, const std::string& key, std:
 }
 
 void set_number(TomlEdit& file, const std::string& name, double value) {
-  const std::vector<std::string> parts = parts_of(name);
+  const std::vector<std::string> parts = split_name(name);
   if (parts[0] == "drive") return set_drive(file, parts[1], parts[2], value);
   if (parts[0] == "stop") return set_stop(file, parts[1], parts[2], value);
   if (parts[1] != "link" && parts[1] != "contact")
-    return set_in(file, {"robot"}, {parts.begin() + 1, parts.end()}, value);
+    return set_nested(file, {"robot"}, {parts.begin() + 1, parts.end()}, value);
   const Path table = {"robot", parts[1], index_of(file, {"robot", parts[1]}, parts[2])};
-  set_in(file, table, {parts.begin() + 3, parts.end()}, value);
+  set_nested(file, table, {parts.begin() + 3, parts.end()}, value);
 }
 
 }  // namespace ukemi::tools

@@ -1,4 +1,4 @@
-// A robot of links with other constants, as a file: what was read, with these values.
+// Writes the file of a robot of links with changed constants; what is not changed keeps its text.
 #pragma once
 
 #include <string>
@@ -8,10 +8,9 @@
 
 namespace ukemi::tools {
 
-/// The text of a robot's file with constants at their values, by the names of robot_terms; what is not changed stays as
-/// it is written, `comments` go in front; [identified] is what is known of `robot`. `folder`: where it will stand, for
-/// the paths in it. Throws InputError where the file is written in a way that cannot be followed, or a drive stands in
-/// a file of its own.
+/// Text of the robot's file with `values` of constants by the names of robot_terms, `comments` first, [identified] as
+/// `robot` has it. `folder`: where the text will be saved, for relative paths. Throws InputError where the file's
+/// notation is not supported, or a drive has a file of its own.
 std::string robot_text(const std::string& path, const DrivenRobot& robot,
                        const std::vector<std::pair<std::string, double>>& values, const std::string& comments,
                        const std::string& folder);

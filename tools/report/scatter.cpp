@@ -35,7 +35,7 @@ Quantities<Distribution> distribution_quantities() {
 }
 
 std::string distributed_words(const std::string& acceleration, bool rated) {
-  return fmt::format("{} [{}]", rated ? worth_name(rated) : "peak " + acceleration, worth_unit(rated));
+  return fmt::format("{} [{}]", rated ? goal_name(rated) : "peak " + acceleration, goal_unit(rated));
 }
 
 Quantities<NamedDistribution> named_quantities(const std::string& what) {
@@ -49,7 +49,7 @@ std::string goal_words(Goal goal, const std::optional<Measure>& measure) {
   return measure ? fmt::format("{} under scatter ({})", plain, measure->name()) : plain;
 }
 std::string goal_words(const AnswerOptions& options) {
-  // A search under scatter has Goal::kTolerant where its drops are played inexactly.
+  // A search under scatter with inexactly played drops has Goal::kTolerant.
   return goal_words(options.search.goal == Goal::kPeak ? Goal::kPeak : Goal::kTolerant, options.robust.measure);
 }
 
@@ -70,11 +70,11 @@ std::string scatter_words(const std::optional<Scatter>& scatter, bool assumed) {
 
 namespace {
 
-/// The outline of the bins, in parts of all drops.
-Series outline(const std::string& name, const std::vector<PeakBin>& bins, long PeakBin::*count, long of) {
+/// Outline of a histogram [% of all drops].
+Series histogram_outline(const std::string& name, const std::vector<PeakBin>& bins, long PeakBin::*count, long total) {
   Series out{name, {}, {}};
-  const auto add = [&](double x, long n) { out.x.push_back(x), out.y.push_back(100.0 * double(n) / double(of)); };
-  if (bins.empty() || of == 0) return out;
+  const auto add = [&](double x, long n) { out.x.push_back(x), out.y.push_back(100.0 * double(n) / double(total)); };
+  if (bins.empty() || total == 0) return out;
   add(bins.front().lower, 0);
   for (const PeakBin& b : bins) add(b.lower, b.*count), add(b.upper, b.*count);
   add(bins.back().upper, 0);
@@ -86,20 +86,20 @@ Series outline(const std::string& name, const std::vector<PeakBin>& bins, long P
 Json distribution_json(const Distribution& d) { return Table::of(distribution_quantities(), d).object(); }
 
 Figure histogram_figure(const std::vector<PeakBin>& bins, const std::string& name, const Distribution& of,
-                        const std::string& beside, long beside_samples, const std::string& what) {
+                        const std::string& reference, long reference_samples, const std::string& what) {
   Figure out;
   out.name = "histogram";
   Panel p;
   p.x_label = what, p.y_label = "% of the drops";
-  p.series = {outline(name, bins, &PeakBin::drops, of.samples),
-              outline(beside, bins, &PeakBin::beside, beside_samples)};
-  p.series[1].look = Series::Look::kDashed;
+  p.series = {histogram_outline(name, bins, &PeakBin::drops, of.samples),
+              histogram_outline(reference, bins, &PeakBin::beside, reference_samples)};
+  p.series[1].style = Series::Style::kDashed;
   double top = 0;
   for (const Series& s : p.series)
     for (const double y : s.y) top = std::max(top, y);
   for (const auto& [words, at] : {std::pair("50 %", of.median.value), {"90 %", of.q90.value}, {"99 %", of.q99.value}}) {
     if (!std::isfinite(at)) continue;
-    p.series.push_back({"", {at, at}, {0, 0.85 * top}, Series::Look::kDashed, Series::kInk});
+    p.series.push_back({"", {at, at}, {0, 0.85 * top}, Series::Style::kDashed, Series::kInk});
     p.marks.push_back({at, 0.85 * top, words});
   }
   out.panels = {p}, out.width = Figure::Width::kWhole, out.panel_height = 300;

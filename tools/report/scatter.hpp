@@ -1,4 +1,4 @@
-// What the verbs tell of peaks under scatter, each quantity once.
+// Quantities of peaks under scatter in reports, defined once for all verbs.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace ukemi::tools {
 
-/// Of the peaks of one motion over many drops [m/s^2].
+/// Statistics of the peaks of one motion over many drops [m/s^2].
 Quantities<landing::Distribution> distribution_quantities();
 
 /// "peak |a| [m/s^2]", "largest load [of the rating]".
@@ -19,35 +19,34 @@ struct NamedDistribution {
   std::string name;
   landing::Distribution of;
 };
-/// The same with the motion's name in front, under what is distributed.
+/// distribution_quantities() after a column of the motion's name with the heading `what`.
 Quantities<NamedDistribution> named_quantities(const std::string& what = distributed_words("|ddr_0|", false));
 
-/// What is minimised: "peak", "tolerant peak", "mean peak under scatter".
+/// What is minimised: "peak", "tolerant peak", "peak under scatter (mean)".
 std::string goal_words(landing::Goal goal, const std::optional<landing::Measure>& measure);
 std::string goal_words(const landing::AnswerOptions& options);
-/// The reference that does nothing: "held at -45 deg".
+/// The held reference: "held at -45 deg".
 std::string held_words();
 /// "mean 135.0, worst tenth 175.3, 99 % below 204.7".
 std::string distribution_words(const landing::Distribution& d);
-/// Warns that nobody said how drops scatter.
+/// Warns that the scatter is assumed.
 void warn_of_assumed(const landing::Scatter& scatter, Run& run);
-/// The scatter as its option has it, and whether it is assumed.
+/// The scatter in the notation of --scatter, and whether it is assumed; "measured drops".
 std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 
-/// `what`: is distributed. Peaks of a motion over many drops and of what stands beside it (of so many drops), with the
-/// quantiles of the motion's.
+/// Histograms of a motion's peaks over many drops, with their quantiles, and of the one named `reference`, of
+/// `reference_samples` drops. `what`: label of the x axis.
 Figure histogram_figure(const std::vector<landing::PeakBin>& bins, const std::string& name,
-                        const landing::Distribution& of, const std::string& beside, long beside_samples,
+                        const landing::Distribution& of, const std::string& reference, long reference_samples,
                         const std::string& what = distributed_words("|ddr_0|", false));
 
-/// What all measures make of the peaks.
+/// All measures of the peaks.
 Json distribution_json(const landing::Distribution& d);
-/// "robust" and "scatter" of an answer; what is not known is absent.
+/// "robust" and "scatter" of an answer; unknown keys are absent.
 Json scatter_json(const landing::Answer& answer);
-/// One sentence of the motion under scatter, beside the references that do nothing; and a warning where its worst tenth
-/// is worse than theirs.
+/// Prints the motion under scatter and the held references, and warns where its worst tenth is worse than theirs.
 void report_scatter(const landing::Answer& answer, Run& run);
-/// The same on a page: the plan for scatter beside the plan for the scene's own drop and beside holding still.
+/// Adds a section: the plan for scatter, the plan for the scene's own drop and holding still.
 void show_scatter(const landing::Answer& answer, Report& report);
 
 }  // namespace ukemi::tools

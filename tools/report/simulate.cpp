@@ -46,7 +46,7 @@ const Quantities<CheckedLanding> kQuantities = {
     {"", "implicit_steps", [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
 };
 
-/// "held at -45 deg", or where it goes.
+/// "held at -45 deg", "from -45 to -60 deg in 0.1 s".
 std::string motion_name(const Motion& m) {
   if (!moves(m)) return fmt::format("held at {:.4g} deg", m.phi_i * kDegrees);
   return fmt::format("from {:.4g} to {:.4g} deg in {:.4g} s", m.phi_i * kDegrees, m.phi_f * kDegrees, m.duration);
@@ -94,13 +94,13 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   const double start = l.contacts.first() + c.scene.detection_delay;
   for (auto& [name, content] : exported(exports, c.motion, start, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
-  say(table.turned(), run);
+  say(table.transposed(), run);
   report.answer(first_screen(c, held), run.warnings());
   std::vector<Fall> falls = {{motion_name(c.motion), &l}};
   if (held) falls.push_back({motion_name(kHeld), &*held});
   show({c.scene, actuator, falls, {}, "trajectory.csv, contacts.csv"}, report);
   report.distrust(run.warnings());
-  report.folded("All numbers", table.turned());
+  report.folded("All numbers", table.transposed());
   report.heading("Contacts");
   report.table(contacts);
   constants_table(report, c.scene, actuator);

@@ -19,7 +19,7 @@ std::string Format::operator()(const Json& v) const {
 
 std::string with_error(double value, double error) {
   if (!(error > 0) || !std::isfinite(error)) return fmt::format("{:.6g} ± {:.2g}", value, error);
-  const int digits = 1 - int(std::floor(std::log10(error)));  // after the point; below zero: tens, hundreds ...
+  const int digits = 1 - int(std::floor(std::log10(error)));  // decimals; negative: round to tens, hundreds, ...
   const double step = std::pow(10.0, -digits);
   const auto text = [&](double x) {
     return std::abs(digits) > 6 ? fmt::format("{:.6g}", std::round(x / step) * step)
@@ -73,8 +73,8 @@ std::string Table::csv(const Run& run, const std::string& comment) const {
 std::vector<std::size_t> Table::columns() const {
   std::vector<std::size_t> out;
   for (std::size_t i = 0; i < names_.size(); ++i) {
-    const auto tells = [&](const std::vector<Json>& row) { return !names_[i].format(row[i]).empty(); };
-    if (!names_[i].words.empty() && (rows_.empty() || std::any_of(rows_.begin(), rows_.end(), tells))) out.push_back(i);
+    const auto shows = [&](const std::vector<Json>& row) { return !names_[i].format(row[i]).empty(); };
+    if (!names_[i].words.empty() && (rows_.empty() || std::any_of(rows_.begin(), rows_.end(), shows))) out.push_back(i);
   }
   return out;
 }
@@ -92,7 +92,7 @@ std::vector<std::vector<std::string>> Table::shown() const {
   }
   return out;
 }
-Table Table::turned() const {
+Table Table::transposed() const {
   Table out;
   out.names_ = {{"", "", "quantity", {}}, {"", "", "value", {}}};
   const std::vector<std::string> names = headings(), values = shown().front();
@@ -101,7 +101,7 @@ Table Table::turned() const {
 }
 
 namespace {
-/// Characters of UTF-8.
+/// Number of characters of a UTF-8 text.
 std::size_t length(const std::string& text) {
   return std::size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
@@ -111,7 +111,7 @@ std::vector<std::string> Table::lines() const {
   std::vector<std::vector<std::string>> cells = shown();
   cells.insert(cells.begin(), headings());
   std::vector<std::size_t> width(cells.front().size(), 0);
-  std::vector<bool> left;  // text; numbers stand at the right
+  std::vector<bool> left;  // texts are left-aligned, numbers right-aligned
   for (const std::size_t i : columns()) left.push_back(!rows_.empty() && rows_.front()[i].is_string());
   for (const auto& row : cells)
     for (std::size_t i = 0; i < row.size(); ++i) width[i] = std::max(width[i], length(row[i]));

@@ -1,5 +1,5 @@
-// A result, described once: each quantity has its names in files, its words, unit and format for a reader, and how
-// it is taken from the result. JSON, CSV, the lines on the terminal and the tables of a report are made from that.
+// Declarative tables of results: each quantity has its names in files, its heading and format, and a getter. JSON, CSV,
+// terminal output and report tables are made from these.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace ukemi::tools {
 
-/// How a value is shown to a reader: a format of fmt, or words for a number. What is not known is shown as "", by
-/// words as they like: they are given NaN.
+/// How a value is shown: a format of fmt, or a function of a number. An unknown value is shown as ""; a function gets
+/// NaN.
 class Format {
  public:
   Format(const char* format = "{}") : format_(format) {}
@@ -24,14 +24,14 @@ class Format {
   std::string (*words_)(double) = nullptr;
 };
 
-/// "740 ± 200": the error to two digits, the value to the error's last one.
+/// "740 ± 200": the error to two significant digits, the value to the error's last digit.
 std::string with_error(double value, double error);
 
-/// What a quantity is called. An empty name: it is not written there.
+/// Names of a quantity; an empty one: it is left out there.
 struct Names {
   std::string csv;    ///< column
   std::string json;   ///< key, or path as in "hold/peak_acceleration"
-  std::string words;  ///< for a reader, with the unit: "duration [s]"
+  std::string words;  ///< heading with the unit: "duration [s]"
   Format format;
 };
 /// A quantity of a result or of a row.
@@ -40,23 +40,23 @@ struct Quantity : Names {
   using Value = std::function<Json(const T&)>;
   Value value;
 
-  Quantity(std::string column, std::string key, std::string heading, Format how, Value of)
-      : Names{std::move(column), std::move(key), std::move(heading), how}, value(std::move(of)) {}
-  /// For files alone, under two names or one.
-  Quantity(std::string column, std::string key, Value of) : Quantity(column, key, "", {}, of) {}
-  Quantity(std::string name, Value of) : Quantity(name, name, of) {}
+  Quantity(std::string column, std::string key, std::string heading, Format shown_as, Value getter)
+      : Names{std::move(column), std::move(key), std::move(heading), shown_as}, value(std::move(getter)) {}
+  /// For files only, under two names or one.
+  Quantity(std::string column, std::string key, Value getter) : Quantity(column, key, "", {}, getter) {}
+  Quantity(std::string name, Value getter) : Quantity(name, name, getter) {}
 };
 template <class T>
 using Quantities = std::vector<Quantity<T>>;
 
-/// The quantities of a part, as those of the whole; in JSON under `path`, as "motion/".
+/// Appends quantities of a part as quantities of the whole; in JSON under `path`: "motion/".
 template <class T, class U, class Part>
 void append(Quantities<T>& to, const std::string& path, const Quantities<U>& quantities, Part part) {
   for (const Quantity<U>& q : quantities)
     to.push_back({q.csv, q.json.empty() ? "" : path + q.json, q.words, q.format,
                   [value = q.value, part](const T& whole) { return value(std::invoke(part, whole)); }});
 }
-/// Of a part that some wholes lack: not known there.
+/// Appends quantities of an optional part; null where has(whole) is false.
 template <class T, class U, class Part, class Has>
 void append(Quantities<T>& to, const std::string& path, const Quantities<U>& quantities, Part part, Has has) {
   const std::size_t before = to.size();
@@ -67,7 +67,7 @@ void append(Quantities<T>& to, const std::string& path, const Quantities<U>& qua
     };
 }
 
-/// Rows of such quantities; a result by itself is one row.
+/// Rows of quantities; a single result is one row.
 class Table {
  public:
   template <class T>
@@ -83,24 +83,24 @@ class Table {
     return Table(quantities, std::vector<T>{result});
   }
 
-  Json objects() const;                    ///< an array, an object a row
+  Json objects() const;                    ///< an array with an object per row
   Json object(std::size_t row = 0) const;  ///< one row
-  Json keyed() const;                      ///< an object, a key a row: the text of its first quantity
+  Json keyed() const;                      ///< an object with a key per row: its first quantity
   std::string csv(const Run& run, const std::string& comment = "") const;
-  std::vector<std::string> headings() const;            ///< of what a reader sees: what no row has is left out
-  std::vector<std::vector<std::string>> shown() const;  ///< as `headings`
+  std::vector<std::string> headings() const;            ///< of the shown columns; empty columns are left out
+  std::vector<std::vector<std::string>> shown() const;  ///< cells of the shown columns
   std::vector<std::string> lines() const;               ///< headings and rows, aligned
   std::string line(std::size_t row = 0) const;          ///< one row: "words value; ..."
-  Table turned() const;                                 ///< the first row as a column of values beside their headings
+  Table transposed() const;                             ///< the first row as two columns: headings, values
 
  private:
   Table() = default;
-  std::vector<std::size_t> columns() const;  ///< that are shown
+  std::vector<std::size_t> columns() const;  ///< the shown ones
   std::vector<Names> names_;
   std::vector<std::vector<Json>> rows_;
 };
 
-/// Its lines on the terminal.
+/// Prints its lines.
 void say(const Table& table, const Run& run);
 
 }  // namespace ukemi::tools

@@ -17,19 +17,19 @@ using namespace landing;
 
 namespace {
 
-Json worth(double value) { return value < kNoMotion ? Json(value) : Json(); }
+Json or_null(double value) { return value < kNoMotion ? Json(value) : Json(); }
 
-/// What a load is measured in.
+/// Unit of a load.
 std::string load_unit(const Load& l) { return unit(l.kind); }
 
-/// The load that a front makes small, in its own unit.
+/// The load that a front minimises.
 const Load& cost_of(const BodyScene& scene) {
   return *std::find_if(scene.loads.begin(), scene.loads.end(), [](auto& l) { return !l.limit; });
 }
 
-/// A trade and how it is told.
-struct Told {
-  explicit Told(const TradeResult& r) : of(r) {
+/// A trade with the names, units and points that its report shows.
+struct TradeView {
+  explicit TradeView(const TradeResult& r) : result(r) {
     const bool front = r.of == TradeResult::Of::kFront;
     const std::string goal = goal_words(r.scene, r.search);
     unit = front ? load_unit(cost_of(r.scene)) : unit_of(r.scene);
@@ -39,34 +39,34 @@ struct Told {
     std::copy_if(r.trade.points.begin(), r.trade.points.end(), std::back_inserter(points),
                  [](auto& p) { return p.plans > 0 || p.found(); });
   }
-  const TradeResult& of;
-  std::string what, unit;          ///< that is made small
-  std::vector<std::string> axes;   ///< what stands along them
-  std::vector<TradePoint> points;  ///< that were planned
+  const TradeResult& result;
+  std::string what, unit;          ///< of the minimised quantity
+  std::vector<std::string> axes;   ///< names of the axes
+  std::vector<TradePoint> points;  ///< the planned ones
 };
 
-Quantities<TradePoint> trade_quantities(const Told& t) {
-  const BodyScene& scene = t.of.scene;
-  const Trade& trade = t.of.trade;
+Quantities<TradePoint> trade_quantities(const TradeView& t) {
+  const BodyScene& scene = t.result.scene;
+  const Trade& trade = t.result.trade;
   const std::string unit = fmt::format(" [{}]", t.unit);
   Quantities<TradePoint> out;
   for (std::size_t a = 0; a < trade.axes.size(); ++a)
     out.push_back({trade.axes[a].name, trade.axes[a].name, t.axes[a], "{:.4g}",
                    [a](const TradePoint& p) { return Json(p.at[a]); }});
-  out.push_back({"held", "held", "held" + unit, "{:.4g}", [](auto& p) { return worth(p.held); }});
+  out.push_back({"held", "held", "held" + unit, "{:.4g}", [](auto& p) { return or_null(p.held); }});
   out.push_back(
-      {"unchanged", "unchanged", "the middle's motion" + unit, "{:.4g}", [](auto& p) { return worth(p.unchanged); }});
+      {"unchanged", "unchanged", "the middle's motion" + unit, "{:.4g}", [](auto& p) { return or_null(p.unchanged); }});
   out.push_back(
-      {"planned", "planned", t.what + ", planned" + unit, "{:.4g}", [](auto& p) { return worth(p.planned); }});
-  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}", [](auto& p) { return worth(p.peak); }});
+      {"planned", "planned", t.what + ", planned" + unit, "{:.4g}", [](auto& p) { return or_null(p.planned); }});
+  out.push_back({"peak", "peak_acceleration", "its peak [m/s^2]", "{:.4g}", [](auto& p) { return or_null(p.peak); }});
   const auto found = std::find_if(t.points.begin(), t.points.end(), [](auto& p) { return p.found(); });
   if (found != t.points.end())
     append(out, "motion/", motion_quantities(scene.robot, found->motion), &TradePoint::motion, &TradePoint::found);
   return out;
 }
 
-void draw(const Told& t, Report& page) {
-  const Trade& trade = t.of.trade;
+void draw(const TradeView& t, Report& page) {
+  const Trade& trade = t.result.trade;
   const std::string what = fmt::format("{} [{}]", t.what, t.unit);
   const auto curve = [&](const char* name, auto&& of) {
     Series s{.name = name};
@@ -91,39 +91,39 @@ void draw(const Told& t, Report& page) {
   page.heatmap(map);
 }
 
-/// Designs, with their values: "drive.knee.k_sea 20".
-std::string design_words(const Told& t, const TradePoint& p) {
+/// Values of a design: "drive.knee.k_sea 20".
+std::string design_words(const TradeView& t, const TradePoint& p) {
   std::vector<std::string> parts;
   for (std::size_t a = 0; a < t.axes.size(); ++a) parts.push_back(fmt::format("{} {:.4g}", t.axes[a], p.at[a]));
   return fmt::format("{}", fmt::join(parts, ", "));
 }
 
-/// The best of those that were planned; null: none has a motion.
-const TradePoint* best_of(const Told& t) {
+/// The best planned design; null: none has a motion.
+const TradePoint* best_of(const TradeView& t) {
   const TradePoint* out = nullptr;
   for (const TradePoint& p : t.points)
     if (p.found() && (!out || p.planned < out->planned)) out = &p;
   return out;
 }
 
-/// "peak: 41.1 m/s^2 with knee at most 8.6 Nm, 172 m/s^2 with at most 1.3 Nm": what is gained and given.
-std::string sentence(const Told& t) {
+/// "peak: 41.1 m/s^2 with knee at most 8.6 Nm, 172 m/s^2 with at most 1.3 Nm", or the lowest design.
+std::string sentence(const TradeView& t) {
   const TradePoint* const best = best_of(t);
   if (t.points.empty()) return "Nothing is planned yet.";
   if (!best) return "No motion was found.";
-  if (t.of.of == TradeResult::Of::kDesigns)
+  if (t.result.of == TradeResult::Of::kDesigns)
     return fmt::format("Lowest: {:.4g} {} at {}.", best->planned, t.unit, design_words(t, *best));
-  const std::string limited = load_unit(t.of.scene.loads.back());
+  const std::string limited = load_unit(t.result.scene.loads.back());
   const TradePoint* const first = &*std::find_if(t.points.begin(), t.points.end(), [](auto& p) { return p.found(); });
   if (first == best)
     return fmt::format("No conflict: {:.4g} {} with {}.", best->planned, t.unit, design_words(t, *best));
   return fmt::format("{}: {:.4g} {} with {} at most {:.4g} {}, {:.4g} {} with at most {:.4g} {}.", t.what,
-                     best->planned, t.unit, t.of.scene.loads.back().name, best->at[0], limited, first->planned, t.unit,
-                     first->at[0], limited);
+                     best->planned, t.unit, t.result.scene.loads.back().name, best->at[0], limited, first->planned,
+                     t.unit, first->at[0], limited);
 }
 
-FirstScreen first_screen(const Told& t, long missing, long edges) {
-  const std::size_t n = t.of.trade.points.size();
+FirstScreen first_screen(const TradeView& t, long missing, long edges) {
+  const std::size_t n = t.result.trade.points.size();
   FirstScreen out{.sentence = sentence(t)};
   out.checks = {
       check(missing == 0, "planned", fmt::format("{} of {} designs have a motion", n - std::size_t(missing), n)),
@@ -136,7 +136,7 @@ FirstScreen first_screen(const Told& t, long missing, long edges) {
 }  // namespace
 
 int report(const TradeResult& r, Run& run) {
-  const Told t(r);
+  const TradeView t(r);
   const Trade& trade = r.trade;
   long edges = 0;
   for (const TradePoint& p : t.points)

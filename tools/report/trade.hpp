@@ -1,4 +1,4 @@
-// What numbers of a design buy, as a reader sees it.
+// Report of a design trade-off: the best landing for each value of design numbers.
 #pragma once
 
 #include "landing/plan/trade.hpp"
@@ -8,16 +8,16 @@ namespace ukemi::tools {
 
 extern const Outputs kTradeOutputs;
 
-/// Among its files: what an interrupted trade and a shard leave for the next run.
+/// Journal that an interrupted trade and a shard leave for the next run.
 inline constexpr const char* kTradeJournal = "trade.part";
 
 struct TradeResult {
   landing::BodyScene scene;
   landing::Trade trade;
   landing::BodyPlanOptions search;
-  enum class Of { kDesigns, kFront } of = Of::kDesigns;  ///< as `trade` or as `pareto`
+  enum class Of { kDesigns, kFront } of = Of::kDesigns;  ///< of `trade`; of `pareto`
   std::string shard;                                     ///< "2/3"; empty: all designs
-  std::string journal;                                   ///< of a part
+  std::string journal;                                   ///< of an incomplete run; else empty
 };
 
 /// Returns the exit code.

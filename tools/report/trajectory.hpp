@@ -1,4 +1,4 @@
-// The rows of a landing as files.
+// Trajectories of landings as CSV: trajectory.csv and PlotJuggler's.
 #pragma once
 
 #include <cmath>
@@ -12,17 +12,17 @@
 
 namespace ukemi::tools {
 
-/// A column of both files, of rows that have a time `t`.
+/// A column of both files; `Row` has a time `t`.
 template <class Row>
 struct RowColumn {
-  std::string name;      ///< in trajectory.csv
-  std::string in_words;  ///< for PlotJuggler: a place in its tree, and the unit
+  std::string name;              ///< in trajectory.csv
+  std::string plotjuggler_name;  ///< path in PlotJuggler's tree, with the unit
   std::function<double(const Row&)> value;
 };
 template <class Row>
 using RowColumns = std::vector<RowColumn<Row>>;
 
-/// Header and rows behind what `csv` holds.
+/// `csv` with a header of the columns' `name` and the rows appended.
 template <class Row>
 std::string rows_csv(CsvWriter csv, const RowColumns<Row>& columns, std::string RowColumn<Row>::*name,
                      const std::vector<Row>& rows) {
@@ -36,19 +36,19 @@ std::string rows_csv(CsvWriter csv, const RowColumns<Row>& columns, std::string 
   return csv.text();
 }
 
-/// The rows for PlotJuggler, which takes no `#` lines and one row a time: names with units and '/', without blanks; the
-/// second row of an event comes the smallest step of a number later.
+/// CSV for PlotJuggler, which takes no `#` lines and no equal times: the second row of an event is one ulp later. Names
+/// have '/', units and no blanks.
 template <class Row>
 std::string plotjuggler_csv(const RowColumns<Row>& columns, std::vector<Row> rows) {
-  double before = -std::numeric_limits<double>::infinity();
+  double previous = -std::numeric_limits<double>::infinity();
   for (Row& r : rows) {
-    if (r.t <= before) r.t = std::nextafter(before, std::numeric_limits<double>::infinity());
-    before = r.t;
+    if (r.t <= previous) r.t = std::nextafter(previous, std::numeric_limits<double>::infinity());
+    previous = r.t;
   }
-  return rows_csv({}, columns, &RowColumn<Row>::in_words, rows);
+  return rows_csv({}, columns, &RowColumn<Row>::plotjuggler_name, rows);
 }
 
-/// trajectory.csv of the paper's robot, and its columns.
+/// trajectory.csv of the paper's robot.
 std::string trajectory_csv(const std::vector<landing::Sample>& trajectory, const Run& run);
 const RowColumns<landing::Sample>& trajectory_columns();
 

@@ -18,20 +18,20 @@ namespace {
 
 /// The constant whose value moves most when the trial is left out.
 std::size_t most_moved(const LeftOut& l) {
-  std::size_t most = 0;
+  std::size_t largest = 0;
   for (std::size_t k = 1; k < l.shift.size(); ++k)
-    if (!(std::abs(l.shift[k]) <= std::abs(l.shift[most])) && std::isfinite(l.shift[k])) most = k;
-  return most;
+    if (!(std::abs(l.shift[k]) <= std::abs(l.shift[largest])) && std::isfinite(l.shift[k])) largest = k;
+  return largest;
 }
 
-std::string small(double p) { return probability_words(p); }
+std::string p_words(double p) { return probability_words(p); }
 
 std::string interval(const identify::Profile& p) {
   const auto end = [](const std::optional<double>& x) { return x ? fmt::format("{:.6g}", *x) : "beyond the grid"; };
   return fmt::format("{} .. {} {}", end(p.low), end(p.high), p.unit);
 }
 
-/// What would explain the residuals in a term's place; empty where nothing would.
+/// Terms that would explain the residuals as well as `term`; empty where there are none.
 std::string rivals_words(const Trust& t, const std::string& term) {
   std::vector<std::string> others, all{term};
   for (const identify::Rival& r : t.rivals)
@@ -43,18 +43,18 @@ std::string rivals_words(const Trust& t, const std::string& term) {
 
 std::string weakest_words(const Fit& fit) { return in_words(*fit.weakest, "trials", "the angles", "rad"); }
 
-/// What the tests say, a sentence each.
+/// Findings of the tests, a sentence each.
 std::vector<std::string> findings(const Trust& t, const Fit& fit) {
   std::vector<std::string> out;
   const identify::ResidualTests& tests = t.tests;
   if (const identify::ScoreTest* missed = tests.missing()) {
     const std::string term = missed->term;
-    // Where the logs themselves are at fault a term would only cover it up.
+    // With flawed logs another term would only hide the flaw.
     const std::string advice = fit.flawed_logs ? "" : ": try --nuisance " + term;
     out.push_back(
         fmt::format("the model lacks {} (score test, p {}): of all terms it explains most of the residuals, their rms "
                     "would fall from {:.4g} to {:.4g} rad{}",
-                    term, small(missed->p), std::sqrt(tests.score->variance), tests.rms_with(*missed), advice));
+                    term, p_words(missed->p), std::sqrt(tests.score->variance), tests.rms_with(*missed), advice));
     if (const std::string words = rivals_words(t, term); !words.empty()) out.push_back(words);
   }
   for (const identify::Estimate& e : fit.nuisance)
@@ -62,7 +62,7 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
       out.push_back(words + "; no constant is trusted that would then leave its interval");
   if (tests.whiteness.rejected)
     out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
-                              small(tests.whiteness.p), tests.whiteness.correlation));
+                              p_words(tests.whiteness.p), tests.whiteness.correlation));
   if (tests.model_rejected())
     out.push_back(
         fmt::format("the model does not explain these logs: no constant is trusted, and the errors {} (tests at {:g} % "
@@ -71,25 +71,25 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
   if (tests.normality.rejected)
     out.push_back(
         fmt::format("the residuals are not normal (Jarque-Bera, p {}; skewness {:.2f}, excess kurtosis {:.2f}){}",
-                    small(tests.normality.p), tests.normality.skewness, tests.normality.kurtosis,
+                    p_words(tests.normality.p), tests.normality.skewness, tests.normality.kurtosis,
                     tests.normality.kurtosis > 1 ? ": outliers? see --loss huber:DELTA" : ""));
   if (t.ladder && t.ladder->plain_rejected()) {
     const identify::Ladder& l = *t.ladder;
     out.push_back(
         fmt::format("the model without further terms is rejected (likelihood ratio, level {:g} %: p {}); BIC "
                     "prefers {}",
-                    100 * kTestLevel, small(l.p_plain), l.rungs[l.preferred].name));
+                    100 * kTestLevel, p_words(l.p_plain), l.rungs[l.preferred].name));
   }
   for (const LeftOut& l : t.left_out)
     if (l.disagrees)
       out.push_back(
           fmt::format("{} disagrees with the other trials (Chow's test, level {:g} % for all: p {}): without "
                       "it {} moves by {:+.1f} standard errors",
-                      l.file, 100 * kTestLevel, small(l.p), kConstantNames[most_moved(l)], l.shift[most_moved(l)]));
+                      l.file, 100 * kTestLevel, p_words(l.p), kConstantNames[most_moved(l)], l.shift[most_moved(l)]));
   return out;
 }
 
-/// The score test of a term that the model may lack.
+/// Columns of the score test of a term that the model may lack.
 Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& tests, const std::string& unit) {
   using Test = identify::ScoreTest;
   const auto of_shared = [](double Test::*value, double factor = 1) {
@@ -98,7 +98,7 @@ Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& 
   return {
       {"", "term", &Test::term},
       {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", t.term); }},
-      {"", "p", "p", small, &Test::p},
+      {"", "p", "p", p_words, &Test::p},
       {"", "chi2", &Test::statistic},
       {"", "degrees", &Test::degrees},
       {"", "z", of_shared(&Test::z)},
@@ -132,7 +132,7 @@ Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
          return terms;
        }},
       {"", "bic", "BIC", "{:.1f}", &identify::Rung::bic},
-      {"", "p", "p of plain against it", small, &identify::Rung::p},
+      {"", "p", "p of plain against it", p_words, &identify::Rung::p},
       {"", "rms", "rms [rad]", "{:.4g}", [](auto& r) { return r.fit.rms; }},
       {"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &identify::Rung::held_out},
   };
@@ -144,17 +144,17 @@ Quantities<LeftOut> left_out_quantities() {
     out.push_back({"", std::string("shift/") + kConstantNames[k], kConstantNames[k], "{:+.2f}",
                    [k](auto& l) { return number(l.shift[k]); }});
   out.push_back({"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &LeftOut::held_out});
-  out.push_back({"", "p", "p", small, &LeftOut::p});
+  out.push_back({"", "p", "p", p_words, &LeftOut::p});
   out.push_back({"", "disagrees", "disagrees", {}, &LeftOut::disagrees});
   return out;
 }
 
-/// The rungs as rows: what each leaves of its own trials, and of those that it did not see.
+/// Residual rms of each rung, of its fit and of held-out trials.
 Figure ladder_figure(const identify::Ladder& ladder) {
   Figure out;
   Panel p;
-  Series fitted{"residual of the fit", {}, {}, Series::Look::kPoints, 0},
-      held_out{"of trials held out", {}, {}, Series::Look::kPoints, 1};
+  Series fitted{"residual of the fit", {}, {}, Series::Style::kPoints, 0},
+      held_out{"of trials held out", {}, {}, Series::Style::kPoints, 1};
   const std::size_t n = ladder.rungs.size();
   for (std::size_t i = 0; i < n; ++i) {
     const identify::Rung& r = ladder.rungs[i];
@@ -184,11 +184,11 @@ void report_left_out(const std::vector<LeftOut>& left_out, Report& report, Json&
   j["leave_one_out"] = add_table(Table(left_out_quantities(), left_out), report, run);
 }
 
-/// By how much each constant may change, together with the others, so that the trials do not tell.
+/// The weakest direction: joint change of the constants that the trials determine least.
 Figure weakest_figure(const identify::Weakest& w) {
   Panel p;
   p.x_label = "change of the constant [%]";
-  Series bars{"", {}, {}, Series::Look::kBars, 5};
+  Series bars{"", {}, {}, Series::Style::kBars, 5};
   for (const auto& [name, relative] : w.change) {
     p.rows.push_back(name);
     bars.x.push_back(100 * relative), bars.y.push_back(double(w.change.size() - bars.y.size()));
@@ -222,10 +222,10 @@ void report_tests(const identify::ResidualTests& tests, const std::string& unit,
   j["missing_terms"] = missing.objects();
   const auto result = [](bool rejected) { return rejected ? "rejected" : "not rejected"; };
   report.table({"hypothesis", "p", ""},
-               {{"residuals are white (Ljung-Box)", small(tests.whiteness.p), result(tests.whiteness.rejected)},
+               {{"residuals are white (Ljung-Box)", p_words(tests.whiteness.p), result(tests.whiteness.rejected)},
                 {tests.normality.tested > 0 ? "residuals are normal (Jarque-Bera)"
                                             : "residuals are normal: not tested, the logs are coarsely quantised",
-                 small(tests.normality.p), result(tests.normality.rejected)}});
+                 p_words(tests.normality.p), result(tests.normality.rejected)}});
   report.table(missing);
   if (!tests.chow.empty()) j["chow"] = tests.chow;
 }

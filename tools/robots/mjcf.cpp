@@ -20,7 +20,7 @@ struct MujocoFailure {
   std::string text;
 };
 
-/// MuJoCo's own handlers write a log beside the program and wait for a key.
+/// Replaces MuJoCo's own handlers, which write a log file and wait for a key, during its lifetime.
 class MujocoHandlers {
  public:
   MujocoHandlers() : error_(mju_user_error), warning_(mju_user_warning) {
@@ -72,7 +72,7 @@ Eigen::Isometry3d pose_at(const mjtNum* position, const mjtNum* q, int i) {
   return out;
 }
 
-/// What the motors on a joint give at most: those with a limit of force, or of control with a constant gain.
+/// Maximum torque of the motors on a joint: those with a force limit, or a control limit and a constant gain.
 std::optional<double> effort_of(const mjModel& m, int joint) {
   double out = 0;
   for (int a = 0; a < m.nu; ++a) {
@@ -106,7 +106,7 @@ SpatialJoint joint_at(const mjModel& m, int j) {
   return out;
 }
 
-/// A body of several joints is a chain: every joint but the last moves a frame without mass. Index of the last.
+/// Adds a body; one of several joints becomes a chain of massless frames, a joint each. Returns the index of the last.
 int add_body(const mjModel& m, int b, const std::vector<int>& last, SpatialRobot& out) {
   SpatialBody body;
   body.name = b == 0 ? "world" : name_of(m, mjOBJ_BODY, b);
@@ -126,8 +126,8 @@ int add_body(const mjModel& m, int b, const std::vector<int>& last, SpatialRobot
   return int(out.bodies.size()) - 1;
 }
 
-/// A joint that is bound to another turns with it; what holds two points or bodies together closes a loop.
-void bind(const mjModel& m, SpatialRobot& out) {
+/// Applies equality constraints: a joint bound to another follows it; connected bodies would close a loop.
+void apply_equalities(const mjModel& m, SpatialRobot& out) {
   for (int e = 0; e < m.neq; ++e) {
     if (!m.eq_active[e]) continue;
     const int type = m.eq_type[e], other = m.eq_obj2id[e];
@@ -159,7 +159,7 @@ SpatialRobot read_mjcf(const std::string& path) {
   for (int s = 0; s < m.nsite; ++s) point(mjOBJ_SITE, "site", s, m.site_bodyid[s], vector_at(m.site_pos, s));
   for (int b = 1; b < m.nbody; ++b) point(mjOBJ_BODY, "body", b, b, Eigen::Vector3d::Zero());
   for (int g = 0; g < m.ngeom; ++g) point(mjOBJ_GEOM, "geom", g, m.geom_bodyid[g], vector_at(m.geom_pos, g));
-  bind(m, out);
+  apply_equalities(m, out);
   out.gravity = vector_at(m.opt.gravity, 0);
   out.left_out = {fmt::format("{} geoms' shapes", m.ngeom), fmt::format("{} actuators", m.nu),
                   fmt::format("{} tendons", m.ntendon), fmt::format("{} sensors", m.nsensor)};

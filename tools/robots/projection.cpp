@@ -21,12 +21,12 @@ using landing::Place;
 
 namespace {
 
-constexpr double kParallel = 1e-3;   ///< an axis within so much of the normal is parallel to it [rad]
-constexpr double kRounding = 1e-12;  ///< of a place [m]
+constexpr double kParallel = 1e-3;   ///< largest angle between an axis and the normal that counts as parallel [rad]
+constexpr double kRounding = 1e-12;  ///< of a coordinate [m]
 
 struct Plane {
   Eigen::Vector3d normal, forward, up;
-  std::string words;
+  std::string description;
 
   explicit Plane(const std::string& name) {
     const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -35,18 +35,18 @@ struct Plane {
                        ": x, y or z is needed, the axis of the root's frame across the plane");
     const int n = name[0] - 'x', f = n == 0 ? 1 : 0, u = n == 2 ? 1 : 2;
     normal = axes.col(n), forward = axes.col(f), up = axes.col(u);
-    words = fmt::format("forward is {}, up is {}; angles count from {} to {}", "xyz"[f], "xyz"[u],
-                        std::string("-") + "xyz"[u], "xyz"[f]);
+    description = fmt::format("forward is {}, up is {}; angles count from {} to {}", "xyz"[f], "xyz"[u],
+                              std::string("-") + "xyz"[u], "xyz"[f]);
   }
-  /// About which positive angles turn.
-  Eigen::Vector3d turn() const { return forward.cross(up); }
+  /// Axis of positive angles.
+  Eigen::Vector3d positive_axis() const { return forward.cross(up); }
   Place place(const Eigen::Vector3d& d) const {
     const auto clean = [](double x) { return std::abs(x) < kRounding ? 0.0 : x; };
     return {clean(-d.dot(up)), clean(d.dot(forward))};
   }
 };
 
-/// A name of letters, digits and _, which no earlier one has.
+/// The name reduced to letters, digits and _, made unique among `known`.
 std::string plain_name(const std::string& name, std::set<std::string>& known) {
   std::string out;
   for (const char c : name) {
@@ -61,7 +61,7 @@ std::string plain_name(const std::string& name, std::set<std::string>& known) {
   return out;
 }
 
-/// One link to be: the bodies that move as one.
+/// A future link: the bodies that move as one.
 struct Part {
   std::vector<int> bodies;
   int parent = -1;  ///< part
@@ -75,8 +75,8 @@ class Projector {
       : robot_(robot), options_(options), plane_(options.normal) {}
 
   Projection run() {
-    note("plane", "normal " + options_.normal, plane_.words);
-    place_bodies(), judge_joints(), find_base(), make_parts(), weigh_parts();
+    note("plane", "normal " + options_.normal, plane_.description);
+    place_bodies(), select_joints(), find_base(), make_parts(), weigh_parts();
     add_links(), add_contacts(), set_base();
     report_offsets(), set_gravity();
     note("left out", "", fmt::format("{}", fmt::join(robot_.left_out, ", ")));
@@ -104,14 +104,14 @@ class Projector {
   }
   Eigen::Vector3d axis(int i) const { return pose_[std::size_t(i)].linear() * body(i).joint.axis; }
   Eigen::Vector3d anchor(int i) const { return pose_[std::size_t(i)] * body(i).joint.anchor; }
-  /// Between the axis of a joint and the normal [rad].
+  /// Angle between the axis of a joint and the normal [rad].
   double off_normal(int i) const {
     return std::atan2(axis(i).cross(plane_.normal).norm(), std::abs(axis(i).dot(plane_.normal)));
   }
   bool about_normal(int i) const { return body(i).joint.motion == Motion::kTurns && off_normal(i) < kParallel; }
 
-  /// Which joints stay. Those about the normal that --lock names do not.
-  void judge_joints() {
+  /// Sets which joints are kept: those about the normal that --lock does not name.
+  void select_joints() {
     std::vector<std::string> turning;
     for (int i = 1; i < count(); ++i)
       if (about_normal(i)) turning.push_back(body(i).joint.name);
@@ -119,11 +119,11 @@ class Projector {
       if (std::find(turning.begin(), turning.end(), name) == turning.end())
         fail("--lock: " +
              (turning.empty() ? quoted(name) + ": no joint turns about the normal" : one_of(name, turning)));
-    stays_.assign(std::size_t(count()), false);
+    kept_.assign(std::size_t(count()), false);
     for (int i = 1; i < count(); ++i) {
       const SpatialJoint& j = body(i).joint;
-      stays_[std::size_t(i)] = about_normal(i) && !named(options_.locked, j.name);
-      if (stays_[std::size_t(i)] && !j.follows.empty())
+      kept_[std::size_t(i)] = about_normal(i) && !named(options_.locked, j.name);
+      if (kept_[std::size_t(i)] && !j.follows.empty())
         fail(fmt::format("joint {}: it follows {} (mimic): a joint of its own is needed, or --lock {} to hold it at 0",
                          quoted(j.name), quoted(j.follows), j.name));
     }
@@ -138,8 +138,8 @@ class Projector {
     return out;
   }
 
-  /// The first body with mass, or that more than one body hangs on. What joins it to a root without mass, as a world,
-  /// is no joint of the robot: it says how the base moves, and so does --base.
+  /// The base: the first body with mass, or with more than one child. What joins it to a massless root, such as a
+  /// world, is no joint of the robot but the motion of the base, which --base overrides.
   void find_base() {
     for (std::vector<int> next; body(base_).inertia.mass == 0; base_ = next[0]) {
       next = children(base_);
@@ -152,7 +152,7 @@ class Projector {
       const int c = next[0];
       const SpatialJoint& j = body(c).joint;
       warn_of_base(c);
-      pin_ = stays_[std::size_t(c)] ? c : -1;
+      pin_ = kept_[std::size_t(c)] ? c : -1;
       if (j.motion != Motion::kFixed) rigid_.clear();
       if (j.motion == Motion::kFixed) rigid_.push_back(base_);
       if (j.motion == Motion::kFixed)
@@ -161,12 +161,12 @@ class Projector {
         note("base", body(c).name,
              fmt::format("joint {} ({}) on {}, which has no mass, is the base's: --base says how it moves", j.name,
                          j.type, body(base_).name));
-      stays_[std::size_t(c)] = false;
+      kept_[std::size_t(c)] = false;
     }
     if (base() != Base::kPinned) pin_ = -1;
   }
 
-  /// A fixed joint on a part without mass is how many name the frame of a robot that is free.
+  /// Warns unless the base is free: a fixed joint on a massless body other than "world" often just names a frame.
   void warn_of_base(int child) {
     const SpatialJoint& j = body(child).joint;
     const std::string& on = body(base_).name;
@@ -185,24 +185,24 @@ class Projector {
     for (int i = base_; i < count(); ++i) {
       const int parent = i == base_ ? -1 : body(i).parent;
       if (i != base_ && (parent < 0 || part_[std::size_t(parent)] < 0)) continue;
-      const int above = parent < 0 ? -1 : part_[std::size_t(parent)];
-      if (i == base_ || stays_[std::size_t(i)]) {
-        parts_.push_back({{}, above, {}, Eigen::Vector3d::Zero()});
+      const int parent_part = parent < 0 ? -1 : part_[std::size_t(parent)];
+      if (i == base_ || kept_[std::size_t(i)]) {
+        parts_.push_back({{}, parent_part, {}, Eigen::Vector3d::Zero()});
         part_[std::size_t(i)] = int(parts_.size()) - 1;
       } else {
-        part_[std::size_t(i)] = above;
+        part_[std::size_t(i)] = parent_part;
         report_joined(i);
       }
       parts_[std::size_t(part_[std::size_t(i)])].bodies.push_back(i);
     }
     if (parts_.size() == 1 && pin_ < 0) fail_no_joint();
-    if (int(parts_.size()) <= landing::kMostLinks) return;
+    if (int(parts_.size()) <= landing::kMaxLinks) return;
     std::vector<std::string> names;
     for (std::size_t p = 1; p < parts_.size(); ++p) names.push_back(body(parts_[p].bodies[0]).joint.name);
     fail(
         fmt::format("{} links and {} joints in this plane: at most {} and {} are possible; --lock JOINT,... holds some "
                     "of {} at 0",
-                    parts_.size(), names.size(), landing::kMostLinks, landing::kMostLinks - 1, fmt::join(names, ", ")));
+                    parts_.size(), names.size(), landing::kMaxLinks, landing::kMaxLinks - 1, fmt::join(names, ", ")));
   }
   [[noreturn]] void fail_no_joint() const {
     std::string all;
@@ -212,7 +212,7 @@ class Projector {
     fail(fmt::format("--normal {}: no joint that stays turns about it; {}", options_.normal,
                      all.empty() ? "no joint turns at all" : "axes of the joints: " + all));
   }
-  /// A body that is one with its parent, and why.
+  /// Notes a body that is merged with its parent, and why.
   void report_joined(int i) {
     const SpatialBody& b = body(i);
     const std::string mass = fmt::format("{:.4g} kg", b.inertia.mass), on = body(b.parent).name;
@@ -220,18 +220,18 @@ class Projector {
       if (b.inertia.mass > 0) note("merged", b.name, fmt::format("fixed on {}: {}", on, mass));
       return;
     }
-    std::string why = "it does not turn about one axis";
+    std::string reason = "it does not turn about one axis";
     if (about_normal(i))
-      why = "--lock names it";
+      reason = "--lock names it";
     else if (b.joint.motion == Motion::kTurns)
-      why = fmt::format("its axis {} is {:.3g} deg off the normal", vector_words(axis(i)), off_normal(i) * kDegrees);
-    const bool beyond = b.joint.lower.value_or(0) > 0 || b.joint.upper.value_or(0) < 0;
+      reason = fmt::format("its axis {} is {:.3g} deg off the normal", vector_words(axis(i)), off_normal(i) * kDegrees);
+    const bool outside = b.joint.lower.value_or(0) > 0 || b.joint.upper.value_or(0) < 0;
     note("locked", b.joint.name,
-         fmt::format("{} at 0{}, {} on {}: {}; {}", b.joint.type, beyond ? ", which is outside of its limits" : "",
-                     b.name, on, why, b.inertia.mass > 0 ? mass + " merged" : "no mass"));
+         fmt::format("{} at 0{}, {} on {}: {}; {}", b.joint.type, outside ? ", which is outside of its limits" : "",
+                     b.name, on, reason, b.inertia.mass > 0 ? mass + " merged" : "no mass"));
   }
 
-  /// Mass, and the name of a link: that of its first body with mass.
+  /// Sets inertia and origin of each part; checks that both mass and inertia are positive.
   void weigh_parts() {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       Part& part = parts_[p];
@@ -244,11 +244,11 @@ class Projector {
       if (!(part.inertia.mass > 0))
         fail(what + ": mass 0, with all that is fixed on it: a link that moves needs a mass above 0");
       if (!(inertia_of(part) > 0)) fail(what + ": no inertia about the normal: a link that moves needs one above 0");
-      part.origin = p > 0 || pin_ >= 0 ? anchor(p > 0 ? first : pin_) : pose_[std::size_t(heavy(part))].translation();
+      part.origin = p > 0 || pin_ >= 0 ? anchor(p > 0 ? first : pin_) : pose_[std::size_t(massive(part))].translation();
     }
   }
   double inertia_of(const Part& part) const { return plane_.normal.dot(part.inertia.tensor * plane_.normal); }
-  int heavy(const Part& part) const {
+  int massive(const Part& part) const {
     return *std::find_if(part.bodies.begin(), part.bodies.end(), [&](int i) { return body(i).inertia.mass > 0; });
   }
 
@@ -257,7 +257,7 @@ class Projector {
     for (std::size_t p = 0; p < parts_.size(); ++p) {
       const Part& part = parts_[p];
       landing::Link link;
-      link.name = renamed("link", body(heavy(part)).name, links);
+      link.name = renamed("link", body(massive(part)).name, links);
       link.parent = part.parent;
       if (part.parent >= 0) link.at = plane_.place(part.origin - parts_[std::size_t(part.parent)].origin);
       link.mass = part.inertia.mass, link.inertia_com = inertia_of(part);
@@ -280,10 +280,10 @@ class Projector {
     return out;
   }
 
-  std::size_t joints_to_be() const { return parts_.size() - (pin_ >= 0 ? 0 : 1); }
+  std::size_t joint_count() const { return parts_.size() - (pin_ >= 0 ? 0 : 1); }
   void add_joint(int i, int link, std::set<std::string>& known) {
     SpatialJoint j = body(i).joint;
-    const bool same = axis(i).dot(plane_.turn()) > 0;
+    const bool same = axis(i).dot(plane_.positive_axis()) > 0;
     if (!same) {
       std::swap(j.lower, j.upper);
       for (auto* limit : {&j.lower, &j.upper})
@@ -295,7 +295,7 @@ class Projector {
     out.q_name = j.name, out.q_sign = same ? 1 : -1, out.q_zero = j.zero;
     std::string file;
     for (const landing::GivenDrive& g : options_.drives)
-      if (g.joint == out.name || (g.joint.empty() && joints_to_be() == 1)) file = g.file, given_.insert(g.joint);
+      if (g.joint == out.name || (g.joint.empty() && joint_count() == 1)) file = g.file, given_.insert(g.joint);
     if (file.empty()) {
       out.kind = landing::DriveKind::kPassive;
       out.stiffness = j.stiffness, out.damping = j.damping, out.rest = j.stiffness > 0 ? j.rest : 0;
@@ -316,7 +316,7 @@ class Projector {
     const std::string degrees = fmt::format("{:.4g} deg", zero * kDegrees);
     return same ? "q - " + degrees : degrees + " - q";
   }
-  /// What the description has of a drive, and what it has not.
+  /// Notes what the description knows of a drive, and what it lacks.
   void report_drive(const SpatialJoint& j, const std::string& name) {
     std::string comments;
     const auto add = [&](const std::string& text) { comments += (comments.empty() ? "" : ", ") + text; };
@@ -334,9 +334,9 @@ class Projector {
   }
 
   void add_contacts() {
-    if (options_.contacts.size() > std::size_t(landing::kMostContacts))
+    if (options_.contacts.size() > std::size_t(landing::kMaxContacts))
       fail(fmt::format("--contacts: {} names: at most {} are possible", options_.contacts.size(),
-                       landing::kMostContacts));
+                       landing::kMaxContacts));
     std::vector<std::string> names;
     for (const SpatialPoint& p : robot_.points) names.push_back(p.name);
     std::set<std::string> known;
@@ -348,7 +348,7 @@ class Projector {
       if (part < 0)
         fail(fmt::format("--contacts: {}: it is on {}, not on the robot", quoted(name), body(p->body).name));
       landing::ContactPoint c;
-      c.name = renamed("contact", name, known), c.link = part, c.law.stiffness = 1;  // a floor's matter
+      c.name = renamed("contact", name, known), c.link = part, c.law.stiffness = 1;  // set by the floor
       c.at = plane_.place(pose_[std::size_t(p->body)] * p->at - parts_[std::size_t(part)].origin);
       out_.robot.contacts.push_back(c);
       note("contact", c.name,
@@ -371,20 +371,20 @@ class Projector {
     if (r.base == Base::kRail) note("base", r.links[0].name, "slides along an upright rail at its origin");
   }
 
-  /// What lies off the plane is dropped: it makes no moment about the normal.
+  /// Notes dropped offsets along the normal: they have no moment about it.
   void report_offsets() {
-    double most = 0;
-    std::string where;
+    double largest = 0;
+    std::string at;
     const Eigen::Vector3d origin = parts_[0].origin;
-    const auto see = [&](const Eigen::Vector3d& point, const std::string& name) {
-      if (const double off = std::abs((point - origin).dot(plane_.normal)); off > most + kRounding)
-        most = off, where = name;
+    const auto update = [&](const Eigen::Vector3d& point, const std::string& name) {
+      if (const double off = std::abs((point - origin).dot(plane_.normal)); off > largest + kRounding)
+        largest = off, at = name;
     };
     for (std::size_t p = 0; p < parts_.size(); ++p)
-      see(parts_[p].origin, "the joint of " + out_.robot.links[p].name),
-          see(parts_[p].inertia.com, "the centre of mass of " + out_.robot.links[p].name);
-    if (most > 1e-9)
-      note("dropped", "offsets along " + options_.normal, fmt::format("up to {:.4g} m: {}", most, where));
+      update(parts_[p].origin, "the joint of " + out_.robot.links[p].name),
+          update(parts_[p].inertia.com, "the centre of mass of " + out_.robot.links[p].name);
+    if (largest > 1e-9)
+      note("dropped", "offsets along " + options_.normal, fmt::format("up to {:.4g} m: {}", largest, at));
   }
 
   void set_gravity() {
@@ -404,12 +404,12 @@ class Projector {
   Plane plane_;
   Projection out_;
   std::vector<Eigen::Isometry3d> pose_;  ///< of each body in the root's frame, every joint at 0
-  std::vector<bool> stays_;              ///< the joint of each body
-  std::vector<int> part_;                ///< of each body; -1: on none
+  std::vector<bool> kept_;               ///< whether the joint of each body is kept
+  std::vector<int> part_;                ///< part of each body; -1: none
   std::vector<Part> parts_;
-  std::set<std::string> given_;  ///< joints with a drive of the command line
-  int base_ = 0, pin_ = -1;      ///< bodies; the one whose joint pins the base
-  std::vector<int> rigid_;       ///< bodies above the base that are fixed on it, without mass
+  std::set<std::string> given_;  ///< joints with an actuator file of the command line
+  int base_ = 0, pin_ = -1;      ///< body of the base; body whose joint pins the base, -1: none
+  std::vector<int> rigid_;       ///< massless ancestors of the base that are fixed to it
 };
 
 }  // namespace

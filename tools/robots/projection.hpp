@@ -1,4 +1,4 @@
-// A robot in space on a plane: the robot of links that `landing` lets fall. Ours.
+// Projection of a spatial robot onto a plane: the robot of links that `landing` simulates. Our own method.
 //
 // The plane is spanned by forward and up, two axes of the root's frame, in the posture in which every joint is at 0:
 //
@@ -22,21 +22,21 @@ namespace ukemi::tools {
 struct ProjectionOptions {
   std::string normal;                       ///< "x", "y", "z" of the root's frame
   std::vector<std::string> contacts;        ///< names of points
-  std::vector<std::string> locked;          ///< joints to hold at 0 that would stay
-  std::optional<landing::Base> base;        ///< absent: free, with a warning where the description holds it
+  std::vector<std::string> locked;          ///< joints about the normal to hold at 0
+  std::optional<landing::Base> base;        ///< absent: free, with a warning where the description fixes it
   std::optional<double> pin_height;         ///< of a pinned origin above the floor [m]; needed with contacts
   std::vector<landing::GivenDrive> drives;  ///< actuator files of joints, by their names in robot.toml
 };
 
-/// What became of a part, for a reader.
+/// A report line on one part of the description.
 struct Note {
   std::string what, name, text;  ///< "locked", "hip_roll", "revolute, its axis ..."
 };
 
 struct Projection {
   landing::Robot robot;                  ///< joints without a given drive are passive
-  std::vector<SpatialJoint> joints;      ///< of robot.joints; angles are phi
-  std::vector<std::string> drive_files;  ///< of robot.joints; empty: not given
+  std::vector<SpatialJoint> joints;      ///< parallel to robot.joints; angles are phi
+  std::vector<std::string> drive_files;  ///< parallel to robot.joints; empty: not given
   std::vector<Note> notes;
   std::vector<std::string> warnings;
 };
@@ -45,9 +45,8 @@ struct Projection {
 /// part without mass, more links, joints or contacts than a robot of links has. Tests: test/cli/descriptions.cpp.
 Projection project(const SpatialRobot& robot, const ProjectionOptions& options);
 
-/// The text of robot.toml that `read_robot` reads back to `projection.robot`; `comments` goes in front, each line
-/// behind "# ". Actuator files are named relative to `folder`. What a description does not know is a comment that says
-/// so.
+/// The text of robot.toml that `read_robot` reads back to `projection.robot`; `comments` precedes it, each line
+/// after "# ". Actuator files are named relative to `folder`. Values that the description lacks are commented as such.
 std::string robot_toml(const Projection& projection, const SpatialRobot& from, const std::string& folder,
                        const std::string& comments);
 

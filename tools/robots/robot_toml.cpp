@@ -1,4 +1,4 @@
-// robot.toml of a projection.
+// Writes robot.toml of a projection.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ namespace ukemi::tools {
 
 namespace {
 
-std::string behind_hash(const std::string& text) {
+std::string commented_out(const std::string& text) {
   std::istringstream in(text);
   std::string out;
   for (std::string line; std::getline(in, line);) out += "# " + line + "\n";
@@ -25,7 +25,7 @@ std::string place_toml(const landing::Place& p) {
 }
 std::string text_toml(const std::string& s) { return "\"" + toml_text(s) + "\""; }
 
-std::string head_toml(const landing::Robot& robot, const std::string& format, bool gravity_known) {
+std::string header_toml(const landing::Robot& robot, const std::string& format, bool gravity_known) {
   std::string out = fmt::format("[robot]\ngravity = {}{}\n", shortest(robot.gravity),
                                 gravity_known ? "   # m/s^2" : "   # m/s^2: " + format + " holds none, check it");
   if (robot.base == landing::Base::kRail)
@@ -36,8 +36,8 @@ std::string head_toml(const landing::Robot& robot, const std::string& format, bo
   return out;
 }
 
-/// How the description counts the angle, for the messages to its robot.
-std::string own_angle_toml(const landing::Joint& joint) {
+/// The description's convention of the joint's angle, for messages to the robot.
+std::string angle_convention_toml(const landing::Joint& joint) {
   return fmt::format("q = {{ name = {}, sign = {}, zero_deg = {} }}   # its q = zero + sign phi, in messages\n",
                      text_toml(joint.q_name), shortest(joint.q_sign), shortest(joint.q_zero * kDegrees));
 }
@@ -51,7 +51,7 @@ std::string links_toml(const landing::Robot& robot) {
       out += fmt::format("parent = {}\nat = {}   # m: along, across\n",
                          text_toml(robot.links[std::size_t(l.parent)].name), place_toml(l.at));
     if (const landing::Joint* joint = robot.joint_of(int(i)))
-      out += fmt::format("joint = {}\n{}", text_toml(joint->name), own_angle_toml(*joint));
+      out += fmt::format("joint = {}\n{}", text_toml(joint->name), angle_convention_toml(*joint));
     out += fmt::format("mass = {}   # kg\ninertia_com = {}   # kg m^2\ncom = {}   # m\n", shortest(l.mass),
                        shortest(l.inertia_com), place_toml(l.com));
   }
@@ -66,8 +66,8 @@ std::string contacts_toml(const landing::Robot& robot) {
   return out;
 }
 
-/// A joint of which the description knows no motor swings as it says; the geared drive that may stand in its place is a
-/// comment, with '?' for every constant that nobody has given.
+/// A joint without an actuator file is passive, with the description's constants; a geared drive is prepared as a
+/// comment, with '?' for every unknown constant.
 std::string drive_toml(const landing::Joint& joint, const SpatialJoint& from, const std::string& file,
                        const std::string& no_drive) {
   std::string out = "\n";
@@ -91,7 +91,7 @@ std::string drive_toml(const landing::Joint& joint, const SpatialJoint& from, co
   return out + fmt::format("damping = {}   # Nm/(rad/s)\n", shortest(joint.damping));
 }
 
-/// From where robot.toml stands; as it is where there is no way from there.
+/// Relative to the folder of robot.toml; absolute where that is not possible.
 std::string relative_path(const std::string& file, const std::string& folder) {
   namespace fs = std::filesystem;
   if (file.empty()) return file;
@@ -104,10 +104,10 @@ std::string relative_path(const std::string& file, const std::string& folder) {
 
 std::string robot_toml(const Projection& p, const SpatialRobot& from, const std::string& folder,
                        const std::string& comments) {
-  std::string out = behind_hash(comments) + "#\n";
+  std::string out = commented_out(comments) + "#\n";
   for (const Note& n : p.notes)
-    out += behind_hash(fmt::format("{}{}{}: {}", n.what, n.name.empty() ? "" : " ", n.name, n.text));
-  out += head_toml(p.robot, from.format, from.gravity.has_value()) + links_toml(p.robot) + contacts_toml(p.robot);
+    out += commented_out(fmt::format("{}{}{}: {}", n.what, n.name.empty() ? "" : " ", n.name, n.text));
+  out += header_toml(p.robot, from.format, from.gravity.has_value()) + links_toml(p.robot) + contacts_toml(p.robot);
   for (std::size_t i = 0; i < p.robot.joints.size(); ++i)
     out += drive_toml(p.robot.joints[i], p.joints[i], relative_path(p.drive_files[i], folder), from.no_drive);
   return out;

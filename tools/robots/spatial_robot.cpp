@@ -18,18 +18,18 @@ namespace ukemi::tools {
 namespace {
 
 constexpr std::size_t kLargestDescription = std::size_t(16) << 20;  ///< [bytes]
-constexpr int kDeepest = 256;                                       ///< elements within elements
-constexpr int kMostBodies = 1000;                                   ///< each within another in the parsers' memory
+constexpr int kMaxDepth = 256;                                      ///< of nested elements
+constexpr int kMaxBodies = 1000;                                    ///< the parsers may nest one within another
 
-std::string ending(const std::string& path) {
+std::string extension_of(const std::string& path) {
   std::string out = std::filesystem::path(path).extension().string();
   std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
   return out;
 }
 
-/// Parsers of XML call themselves for each element within another. What nests deeper than any robot would end them: it
-/// is refused by a count of '<' alone, with comments and declarations left out.
-void refuse_depth(const std::string& path, const std::string& text) {
+/// Throws InputError where elements nest too deeply, by counting '<' outside of comments and declarations: XML parsers
+/// recurse for each nested element and would overflow the stack.
+void check_depth(const std::string& path, const std::string& text) {
   int depth = 0;
   for (std::size_t i = text.find('<'); i != std::string::npos && i + 1 < text.size(); i = text.find('<', i + 1)) {
     if (text.compare(i, 4, "<!--") == 0) {
@@ -44,17 +44,17 @@ void refuse_depth(const std::string& path, const std::string& text) {
     }
     const std::size_t end = text.find('>', i);
     if (end == std::string::npos || text[end - 1] != '/') ++depth;
-    if (depth > kDeepest)
+    if (depth > kMaxDepth)
       throw InputError(Location{path, 1 + std::count(text.begin(), text.begin() + long(i), '\n')},
-                       fmt::format("elements nest deeper than {}", kDeepest));
+                       fmt::format("elements nest deeper than {}", kMaxDepth));
   }
 }
 
-void refuse_many(const std::string& path, const std::string& text) {
+void check_body_count(const std::string& path, const std::string& text) {
   int bodies = 0;
   for (const char* element : {"<link", "<body"})
     for (std::size_t i = text.find(element); i != std::string::npos; i = text.find(element, i + 1)) ++bodies;
-  if (bodies > kMostBodies) throw InputError({path}, fmt::format("{} links: at most {} are read", bodies, kMostBodies));
+  if (bodies > kMaxBodies) throw InputError({path}, fmt::format("{} links: at most {} are read", bodies, kMaxBodies));
 }
 
 void check_inertia(const SpatialRobot& robot, const SpatialBody& body) {
@@ -121,17 +121,17 @@ void SpatialRobot::validate() const {
 }
 
 bool is_description(const std::string& path) {
-  const std::string end = ending(path);
+  const std::string end = extension_of(path);
   return end == ".urdf" || end == ".xml" || end == ".mjcf" || end == ".xacro";
 }
 
 SpatialRobot read_description(const std::string& path) {
-  if (ending(path) == ".xacro")
+  if (extension_of(path) == ".xacro")
     throw InputError({path}, "a file of macros: URDF is needed, as `xacro FILE > robot.urdf` writes it");
   const std::string text = read_text_file(path, kLargestDescription, kLargestDescription + 1);
   if (text.size() > kLargestDescription)
     throw InputError({path}, fmt::format("a description of at most {} bytes is read", kLargestDescription));
-  refuse_depth(path, text), refuse_many(path, text);
+  check_depth(path, text), check_body_count(path, text);
   const std::size_t urdf = text.find("<robot"), mjcf = text.find("<mujoco");
   if (urdf == std::string::npos && mjcf == std::string::npos)
     throw InputError({path}, "neither <robot> nor <mujoco>: a description in URDF or MJCF is needed");

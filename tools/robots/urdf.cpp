@@ -16,7 +16,7 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Takes what the parser says, which would go to stderr, while it lives.
+/// Collects the parser's messages, which would go to stderr, during its lifetime.
 class UrdfMessages : public console_bridge::OutputHandler {
  public:
   UrdfMessages() { console_bridge::useOutputHandler(this); }
@@ -102,8 +102,8 @@ void add_link(const urdf::Link& link, int parent, SpatialRobot& out, std::set<st
   for (const auto& child : link.child_links) add_link(*child, index, out, seen);
 }
 
-/// The parser goes on after an error, without what it could not read. That may be a shape or a colour, never a mass.
-bool of_a_look(const std::string& text) {
+/// Whether an error concerns shapes or colours only, after which the parser continues without them.
+bool is_visual_error(const std::string& text) {
   for (const char* part : {"isual", "ollision", "eometry", "aterial", "olor", "esh", "exture"})
     if (text.find(part) != std::string::npos) return true;
   return false;
@@ -128,7 +128,7 @@ SpatialRobot read_urdf(const std::string& path) {
   } catch (const std::exception& e) {
     messages.errors.push_back(e.what());
   }
-  std::erase_if(messages.errors, [&](const std::string& text) { return model && of_a_look(text); });
+  std::erase_if(messages.errors, [&](const std::string& text) { return model && is_visual_error(text); });
   if (!model || !model->getRoot() || !messages.errors.empty())
     throw InputError(
         {path}, messages.errors.empty() ? "liburdfdom finds no robot in it" : "liburdfdom: " + joined(messages.errors));

@@ -33,55 +33,55 @@ std::string words(const FloorLaw& law) {
 
 namespace {
 
-/// Depth to which a drop presses a floor of F = K delta^p, all of the robot on one contact and no damping [m].
+/// Largest depth of a drop on a floor with F = K delta^p, the whole mass on one contact, without damping [m].
 double depth_of(const BodyScene& scene, double stiffness, double exponent) {
-  constexpr double kLeast = 0.02;  // least height of a fall [m]
-  const double energy = scene.robot.mass() * scene.robot.gravity * std::max(scene.drop.height, kLeast);
+  constexpr double kMinHeight = 0.02;  // of a fall [m]
+  const double energy = scene.robot.mass() * scene.robot.gravity * std::max(scene.drop.height, kMinHeight);
   return std::pow((exponent + 1) * energy / stiffness, 1 / (exponent + 1));
 }
 
-/// The linear floor that gives the same force at the depth that a drop presses it to, and damps the same at half of it.
+/// The linear floor with the same force at the largest depth of a drop and the same damping at half that depth.
 struct LinearFloor {
   double depth, stiffness, damping;  ///< [m], [N/m], [N/(m/s)]
 };
-LinearFloor linear_as(const BodyScene& scene, const ContactLaw& law) {
+LinearFloor equivalent_linear(const BodyScene& scene, const ContactLaw& law) {
   if (!law.hunt_crossley) return {depth_of(scene, law.stiffness, 1), law.stiffness, law.damping_normal};
   const double depth = depth_of(scene, law.stiffness, law.exponent),
                stiffness = law.stiffness * std::pow(depth, law.exponent - 1);
   return {depth, stiffness, 0.5 * law.dissipation * stiffness * depth};
 }
 
-/// The other normal law, as linear_as has them alike.
+/// Switches between the two normal laws, with the same equivalent linear floor.
 void change_normal(const BodyScene& scene, ContactLaw& law) {
   constexpr double kHertz = 1.5;
-  const LinearFloor as = linear_as(scene, law);
+  const LinearFloor linear = equivalent_linear(scene, law);
   if (!law.hunt_crossley) {
-    law.dissipation = as.damping / (0.5 * as.stiffness * as.depth);
-    law.stiffness *= std::pow(as.depth, 1 - kHertz), law.exponent = kHertz, law.damping_normal = 0;
+    law.dissipation = linear.damping / (0.5 * linear.stiffness * linear.depth);
+    law.stiffness *= std::pow(linear.depth, 1 - kHertz), law.exponent = kHertz, law.damping_normal = 0;
   } else {
-    law.stiffness = as.stiffness, law.damping_normal = as.damping;
+    law.stiffness = linear.stiffness, law.damping_normal = linear.damping;
   }
   law.hunt_crossley = !law.hunt_crossley;
 }
 
-/// Friction that holds, with the floor's own stiffness along it; or without a limit.
+/// Switches between Coulomb friction with tangential stiffness and viscous friction without a limit.
 void change_tangential(const BodyScene& scene, ContactLaw& law) {
-  constexpr double kFriction = 0.5, kLeastPart = 0.1;
+  constexpr double kFriction = 0.5, kMinRatio = 0.1;
   if (std::isfinite(law.friction)) {
     law.friction = std::numeric_limits<double>::infinity(), law.stiffness_tangential = 0;
     return;
   }
-  const LinearFloor as = linear_as(scene, law);
+  const LinearFloor linear = equivalent_linear(scene, law);
   law.friction = kFriction;
-  if (law.stiffness_tangential == 0) law.stiffness_tangential = as.stiffness;
-  law.damping_tangential = std::max({law.damping_tangential, kLeastPart * as.damping, 1e-4 * as.stiffness});
+  if (law.stiffness_tangential == 0) law.stiffness_tangential = linear.stiffness;
+  law.damping_tangential = std::max({law.damping_tangential, kMinRatio * linear.damping, 1e-4 * linear.stiffness});
 }
 
 /// A pad that is much softer than the floor.
 Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
   constexpr double kThickness = 0.01, kSoft = 0.3;
-  const LinearFloor as = linear_as(scene, law);
-  return {kThickness, kSoft * as.stiffness, kSoft * as.damping};
+  const LinearFloor linear = equivalent_linear(scene, law);
+  return {kThickness, kSoft * linear.stiffness, kSoft * linear.damping};
 }
 
 }  // namespace
@@ -103,11 +103,11 @@ BodyScene with_law(BodyScene scene, const FloorLaw& law) {
 
 namespace {
 
-/// A constant of contacts: how it is fitted, and of which contacts it is one.
+/// A constant of contact laws: its term, the contacts that it acts on, and those it is fitted for by default.
 struct ContactConstant {
-  DropTerm term;  ///< for all of them
+  DropTerm term;
   bool (*acts)(const ContactPoint&);
-  bool (*chosen)(const ContactPoint&);  ///< fitted by default
+  bool (*chosen)(const ContactPoint&);
 };
 
 DropTerm contact_term(const char* name, const char* unit, const char* words, double smallest_part, double size,
@@ -120,20 +120,20 @@ DropTerm contact_term(const char* name, const char* unit, const char* words, dou
 std::vector<ContactConstant> contact_constants() {
   const auto always = [](const ContactPoint&) { return true; };
   const auto linear = [](const ContactPoint& c) { return !c.law.hunt_crossley; };
-  const auto crossley = [](const ContactPoint& c) { return c.law.hunt_crossley; };
-  const auto rubs = [](const ContactPoint& c) { return std::isfinite(c.law.friction); };
-  const auto holds = [](const ContactPoint& c) {
+  const auto hunt_crossley = [](const ContactPoint& c) { return c.law.hunt_crossley; };
+  const auto coulomb = [](const ContactPoint& c) { return std::isfinite(c.law.friction); };
+  const auto sticks = [](const ContactPoint& c) {
     return std::isfinite(c.law.friction) || c.law.stiffness_tangential > 0;
   };
   const auto padded = [](const ContactPoint& c) { return c.pad.has_value(); };
   std::vector<ContactConstant> out = {
       {contact_term("stiffness", "N/m", "stiffness of the floor", 1e-3, 1, 2), always, always},
       {contact_term("damping_normal", "N/(m/s)", "damping of the floor along its normal", 0, 1, 2), linear, linear},
-      {contact_term("exponent", "1", "of the depth, of Hunt and Crossley", 0, 1, 1.3), crossley, crossley},
-      {contact_term("dissipation", "s/m", "of Hunt and Crossley", 0, 0.1, 2), crossley, crossley},
+      {contact_term("exponent", "1", "of the depth, of Hunt and Crossley", 0, 1, 1.3), hunt_crossley, hunt_crossley},
+      {contact_term("dissipation", "s/m", "of Hunt and Crossley", 0, 0.1, 2), hunt_crossley, hunt_crossley},
       {contact_term("damping_tangential", "N/(m/s)", "damping of the floor along it", 1e-3, 1, 3), always, always},
-      {contact_term("stiffness_tangential", "N/m", "stiffness of the floor along it", 0, 1, 4), always, holds},
-      {contact_term("friction", "1", "coefficient of friction", 1e-3, 0.1, 2.5), rubs, rubs},
+      {contact_term("stiffness_tangential", "N/m", "stiffness of the floor along it", 0, 1, 4), always, sticks},
+      {contact_term("friction", "1", "coefficient of friction", 1e-3, 0.1, 2.5), coulomb, coulomb},
       {contact_term("pad_stiffness", "N/m", "stiffness of the pads", 1e-3, 1, 2), padded, padded},
       {contact_term("pad_damping", "N/(m/s)", "damping of the pads", 0, 1, 2), padded, padded},
       {contact_term("pad_thickness", "m", "thickness of the pads", 1e-2, 1e-3, 2), padded, padded}};
@@ -142,13 +142,14 @@ std::vector<ContactConstant> contact_constants() {
   return out;
 }
 
-/// Whether a contact's value is the floor's, as that of others.
-bool shared(const BodyScene& scene, const ContactPoint& c, const std::string& key, double of_first) {
+/// Whether a contact takes the constant from [floor], with the value of the other contacts.
+bool shared(const BodyScene& scene, const ContactPoint& c, const std::string& key, double common) {
   BodyScene copy = scene;
-  return std::find(c.own.begin(), c.own.end(), key) == c.own.end() && number_in(copy, c.name + "." + key) == of_first;
+  return std::find(c.own_keys.begin(), c.own_keys.end(), key) == c.own_keys.end() &&
+         scene_number(copy, c.name + "." + key) == common;
 }
 
-/// Appends the terms of one constant; chosen ones by name to `free`.
+/// Appends the terms of one constant to `table`, and the names of those that are free by default to out.free.
 void add_terms(const BodyScene& scene, const ContactConstant& constant, std::vector<DropTerm>& table,
                Terms<DropTerm>& out) {
   const std::string& key = constant.term.name;
@@ -164,8 +165,8 @@ void add_terms(const BodyScene& scene, const ContactConstant& constant, std::vec
     DropTerm one = constant.term;
     one.name = c.name + "." + key, one.moves = {one.name}, one.words += ", of " + c.name + " alone";
     BodyScene copy = scene;
-    const bool given = std::find(c.own.begin(), c.own.end(), key) != c.own.end() && contacts.size() > 1;
-    if (!first && !given) first = number_in(copy, one.moves[0]);
+    const bool given = std::find(c.own_keys.begin(), c.own_keys.end(), key) != c.own_keys.end() && contacts.size() > 1;
+    if (!first && !given) first = scene_number(copy, one.moves[0]);
     if (given || !shared(scene, c, key, *first)) {
       if (constant.chosen(c)) own.push_back(one.name);
     } else {
@@ -205,25 +206,25 @@ Terms<DropTerm> drop_choice(const BodyScene& scene) {
 
 namespace {
 
-/// Constants of single contacts after what all share, so that each is set in turn; those that are not fitted and
-/// follow the others are left out.
+/// Orders constants of single contacts after those that contacts share, so that they override them, and removes those
+/// that are not fitted and follow a shared one.
 void put_in_order(Terms<DropTerm>& terms) {
   const auto single = [](const DropTerm& t) { return t.name.find('.') != std::string::npos; };
   const auto follows = [&](const DropTerm& t) {
     return single(t) && !terms.fits(t.name) && std::any_of(terms.table->begin(), terms.table->end(), [&](auto& other) {
-             return !single(other) && other.is_constant() && t.moves_what(other);
+             return !single(other) && other.is_constant() && t.moves_same_number(other);
            });
   };
-  std::vector<DropTerm> left;
+  std::vector<DropTerm> kept;
   for (const DropTerm& t : *terms.table)
-    if (!follows(t)) left.push_back(t);
-  terms.table = std::make_shared<const std::vector<DropTerm>>(std::move(left));
+    if (!follows(t)) kept.push_back(t);
+  terms.table = std::make_shared<const std::vector<DropTerm>>(std::move(kept));
   std::stable_sort(terms.free.begin(), terms.free.end(), [&](const std::string& a, const std::string& b) {
     return terms[a].moves.size() > terms[b].moves.size();
   });
 }
 
-/// The choice of terms for another law: chosen ones that it has, and its own constants.
+/// The choice of terms for the law of `scene`: those of `before` that it has, and constants that are new with it.
 Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before) {
   Terms<DropTerm> out = drop_choice(scene);
   const auto has = [](const Terms<DropTerm>& terms, const std::string& name) {
@@ -244,17 +245,17 @@ Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before
   return out;
 }
 
-/// The constants of a fit in a scene.
+/// The scene with the fitted constants.
 BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const DropTerm& t : *terms.table)  // single contacts come after all
+  for (const DropTerm& t : *terms.table)  // those of single contacts come last
     if (t.is_constant())
       for (const identify::Estimate& e : fit.parameters)
         if (e.name == t.name && e.free) set_in(scene, t, e.value);
   return scene;
 }
 
-/// N_o log(rms_o^2) over the outputs, and the rms in units of their noise.
-void judge_residuals(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out) {
+/// Sets the number of fitted values, the BIC, and the rms in units of the outputs' noise.
+void set_quality(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out) {
   double deviance = 0, samples = 0, squares = 0;
   for (std::size_t o = 0; o < fit.channels.size(); ++o) {
     if (!std::isfinite(fit.noise[o])) continue;
@@ -268,7 +269,7 @@ void judge_residuals(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out)
   out.rms = std::sqrt(squares / samples), out.bic = deviance + out.fitted * std::log(samples);
 }
 
-/// One law fitted from a scene.
+/// A fit of the law of a scene, and its summary.
 struct LawFit {
   FloorFit fit;
   TriedLaw tried;
@@ -278,49 +279,50 @@ LawFit fit_law(const BodyScene& from, const std::vector<BodyLoggedDrop>& drops, 
   LawFit out{fit_floor(simulator, options), {.law = law_of(from.robot)}};
   out.tried.scene = scene_of(from, options.terms, out.fit);
   out.tried.converged = out.fit.converged, out.tried.rejected = out.fit.tests.model_rejected();
-  if (!out.fit.drops.empty() && out.fit.drops[0].simulated) judge_residuals(simulator, out.fit, out.tried);
+  if (!out.fit.drops.empty() && out.fit.drops[0].simulated) set_quality(simulator, out.fit, out.tried);
   if (out.fit.converged && drops.size() > 1)
     out.tried.held_out = held_out(BodyDrops(out.tried.scene, drops, options.accuracy, options.threads), options);
   return out;
 }
 
-/// Neighbours of a law: each part changed in turn.
-std::vector<FloorLaw> beside(const FloorLaw& law) {
-  FloorLaw normal = law, tangential = law, cover = law;
-  normal.hunt_crossley = !law.hunt_crossley, tangential.coulomb = !law.coulomb, cover.pads = !law.pads;
-  return {normal, tangential, cover};
+/// The laws that differ from one in a single part.
+std::vector<FloorLaw> neighbours(const FloorLaw& law) {
+  FloorLaw normal = law, tangential = law, pads = law;
+  normal.hunt_crossley = !law.hunt_crossley, tangential.coulomb = !law.coulomb, pads.pads = !law.pads;
+  return {normal, tangential, pads};
 }
 
-/// Whether `a` is better than `b` by kDecisive in BIC and in the drops left out.
+/// Whether `a` is better than `b` by kDecisive in BIC and no worse in the leave-one-out error.
 bool better(const TriedLaw& a, const TriedLaw& b) {
   return a.converged && a.bic < b.bic - kDecisive && !(a.held_out > b.held_out);
 }
 
-constexpr int kRivalStarts = 2;  ///< further starts of a law that is tried, which begins close to the drops
-constexpr int kRivalSteps = 40;  ///< of its solver
+constexpr int kRivalStarts = 2;  ///< at most, further starts of a rival law: its first start is close already
+constexpr int kRivalSteps = 40;  ///< at most, iterations of its solver
 
-/// Tries the neighbours of the best law, until none is better.
+/// Fits the neighbours of the best law until none is better.
 void try_rivals(const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options, BodyCalibration& out) {
   for (std::size_t from = 0; !options.monitor.stopped();) {
     const TriedLaw start = out.laws[from];
-    for (const FloorLaw& law : beside(start.law)) {
+    for (const FloorLaw& law : neighbours(start.law)) {
       if (std::any_of(out.laws.begin(), out.laws.end(), [&](auto& t) { return t.law == law; })) continue;
       const BodyScene scene = with_law(start.scene, law);
-      BodyCalibrationOptions of = options;
-      of.terms = choice_for(scene, options.terms);
-      of.restarts = std::min(of.restarts, kRivalStarts), of.max_iterations = std::min(of.max_iterations, kRivalSteps);
-      if (of.terms.free.empty()) continue;
-      out.laws.push_back(fit_law(scene, drops, of).tried);
+      BodyCalibrationOptions rival = options;
+      rival.terms = choice_for(scene, options.terms);
+      rival.restarts = std::min(rival.restarts, kRivalStarts);
+      rival.max_iterations = std::min(rival.max_iterations, kRivalSteps);
+      if (rival.terms.free.empty()) continue;
+      out.laws.push_back(fit_law(scene, drops, rival).tried);
     }
     for (std::size_t i = 0; i < out.laws.size(); ++i)
-      if (better(out.laws[i], out.laws[out.asked])) out.asked = i;
-    if (out.asked == from) break;
-    from = out.asked;
+      if (better(out.laws[i], out.laws[out.best_law])) out.best_law = i;
+    if (out.best_law == from) break;
+    from = out.best_law;
   }
 }
 
-/// Uncertainty and verdicts of the scene's constants; where its law is rejected none is trusted.
-void conclude(BodyCalibration& c) {
+/// Sets uncertainty and verdicts of the scene's constants; where its law is rejected none is trusted.
+void set_verdicts(BodyCalibration& c) {
   if (c.law_rejected()) identify::distrust(c.parameters);
   if (c.converged) c.scene.uncertainty = c.uncertainty();
   c.scene.verdicts = c.verdicts();
@@ -333,7 +335,7 @@ void check_floor(const BodyScene& scene) {
 
 }  // namespace
 
-void check_thrown(const Robot& robot, const char* height, const char* forward_speed) {
+void check_drop_arguments(const Robot& robot, const char* height, const char* forward_speed) {
   if (height && robot.base == Base::kPinned) throw InputError(std::string(height) + ": a pinned robot is not dropped");
   if (forward_speed && robot.base != Base::kFree)
     throw InputError(std::string(forward_speed) + ": a robot on this base has no forward speed");
@@ -351,27 +353,27 @@ BodyCalibration calibrate(const BodyScene& scene, const std::vector<BodyLoggedDr
   check_drops(scene, drops);
   BodyCalibrationOptions ordered = options;
   put_in_order(ordered.terms);
-  LawFit own = fit_law(scene, drops, ordered);
-  BodyCalibration out{std::move(own.fit), own.tried.scene};
-  if (std::isfinite(own.tried.bic)) {
-    out.laws.push_back(std::move(own.tried));
+  LawFit given = fit_law(scene, drops, ordered);
+  BodyCalibration out{std::move(given.fit), given.tried.scene};
+  if (std::isfinite(given.tried.bic)) {
+    out.laws.push_back(std::move(given.tried));
     if (options.rivals == BodyCalibrationOptions::Rivals::kTried) try_rivals(drops, ordered, out);
     const double reference = out.laws[0].bic;
     for (TriedLaw& t : out.laws) t.bic -= reference;
   }
-  conclude(out);
+  set_verdicts(out);
   return out;
 }
 
-void take_asked_law(BodyCalibration& c, const std::vector<BodyLoggedDrop>& drops,
+void adopt_best_law(BodyCalibration& c, const std::vector<BodyLoggedDrop>& drops,
                     const BodyCalibrationOptions& options) {
-  if (c.asked == c.own) return;
-  BodyCalibrationOptions of = options;
-  of.terms = choice_for(c.laws[c.asked].scene, options.terms);
-  LawFit asked = fit_law(c.laws[c.asked].scene, drops, of);
-  static_cast<FloorFit&>(c) = std::move(asked.fit);
-  c.scene = std::move(asked.tried.scene), c.own = c.asked;
-  conclude(c);
+  if (c.best_law == c.scene_law) return;
+  BodyCalibrationOptions refit = options;
+  refit.terms = choice_for(c.laws[c.best_law].scene, options.terms);
+  LawFit best = fit_law(c.laws[c.best_law].scene, drops, refit);
+  static_cast<FloorFit&>(c) = std::move(best.fit);
+  c.scene = std::move(best.tried.scene), c.scene_law = c.best_law;
+  set_verdicts(c);
 }
 
 BodyCalibration validate(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,

@@ -17,17 +17,16 @@ using namespace landing;
 
 namespace {
 
-/// A joint's drive as its file has it.
+/// A joint's drive as an actuator.
 Actuator drive_of(const Joint& j) {
   return {.name = j.name, .sea = j.sea, .uncertain = j.uncertain, .covariance = j.covariance};
 }
 
-/// The constants of each drive that differs in a constant, or in all where none does; those that neither set has are
-/// left out.
-std::vector<ConstantDifference> drive_differences(const OfSets<BodyScene>& scenes) {
+/// The constants of each drive that differs, or of all drives where none does, without those that are 0 in both sets.
+std::vector<ConstantDifference> drive_differences(const PerSet<BodyScene>& scenes) {
   std::vector<ConstantDifference> all, out;
   for (std::size_t i = 0; i < scenes[0].robot.joints.size(); ++i) {
-    const OfSets<Joint> joint = {scenes[0].robot.joints[i], scenes[1].robot.joints[i]};
+    const PerSet<Joint> joint = {scenes[0].robot.joints[i], scenes[1].robot.joints[i]};
     if (!joint[0].driven() || !joint[1].driven()) continue;
     std::vector<ConstantDifference> rows = differences({drive_of(joint[0]), drive_of(joint[1])}, "_" + joint[0].name);
     std::erase_if(rows, [](const ConstantDifference& c) { return c.value[0] == 0 && c.value[1] == 0; });
@@ -37,14 +36,14 @@ std::vector<ConstantDifference> drive_differences(const OfSets<BodyScene>& scene
   return out.empty() ? all : out;
 }
 
-/// Adds the plans for drops that scatter; false where one could not be found or was stopped.
-bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options,
+/// Appends the plans for drops that scatter; false where one could not be found or was stopped.
+bool compare_plans(const PerSet<BodyScene>& scenes, const BodyComparisonOptions& options,
                    std::vector<ComparedBodyPlan>& plans) {
   const Scatter scatter = scatter_for(options.search.scatter, scenes[1]);
   BodyPlanOptions search = options.search;
   const std::vector<BodyDrop> drops =
       BodyDropModel(scenes[1], scatter, {.inflate = 0}).independent(search.fresh, fresh_seed(search.seed));
-  search.scatter = scatter, search.fresh = 0;  // judged on the drops of the identified set
+  search.scatter = scatter, search.fresh = 0;  // evaluated on the drops of the identified set below
   for (std::size_t n = 0; n < (scenes[1].robot.fitted() ? 3 : 2); ++n) {
     const std::string set = planned_with(n);
     if (options.monitor) search.monitor = options.monitor("robust, " + set);
@@ -60,17 +59,17 @@ bool compare_plans(const OfSets<BodyScene>& scenes, const BodyComparisonOptions&
 
 }  // namespace
 
-void check_sets(const OfSets<BodyScene>& scenes) {
-  const auto others = [](const BodyScene& scene) {
+void check_sets(const PerSet<BodyScene>& scenes) {
+  const auto non_drive_names = [](const BodyScene& scene) {
     std::vector<std::string> out = design_names(scene);
     std::erase_if(out, [](const std::string& name) { return name.starts_with("drive."); });
     return out;
   };
-  const std::vector<std::string> names = others(scenes[0]);
-  if (names != others(scenes[1]) || scenes[0].robot.joints.size() != scenes[1].robot.joints.size())
+  const std::vector<std::string> names = non_drive_names(scenes[0]);
+  if (names != non_drive_names(scenes[1]) || scenes[0].robot.joints.size() != scenes[1].robot.joints.size())
     throw InputError("nominal, identified: they are two robots: one scene with two sets of drives is needed");
   for (const std::string& name : names) {
-    const OfSets<double> value = {design_number(scenes[0], name), design_number(scenes[1], name)};
+    const PerSet<double> value = {design_number(scenes[0], name), design_number(scenes[1], name)};
     if (value[0] != value[1] && !(std::isnan(value[0]) && std::isnan(value[1])))
       throw InputError(
           fmt::format("nominal, identified: {}: {:g} and {:g}: only drives may differ", name, value[0], value[1]));
@@ -86,7 +85,7 @@ void check_sets(const OfSets<BodyScene>& scenes) {
                                  one != nominal.variables().end() ? one->name : other->name));
 }
 
-BodyComparison compare(const OfSets<BodyScene>& scenes, const BodyComparisonOptions& options) {
+BodyComparison compare(const PerSet<BodyScene>& scenes, const BodyComparisonOptions& options) {
   BodyComparison out{.scenes = scenes, .constants = drive_differences(scenes)};
   BodyPlanOptions search = options.search;
   search.measure.reset(), search.scatter.reset(), search.fresh = 0;

@@ -12,7 +12,7 @@ using namespace landing;
 
 namespace {
 
-/// A number that a term moves: its place in a scene, and the exact derivative by it.
+/// A number that a term sets: its member in a scene, and the parameter of its exact derivative.
 struct SceneNumber {
   const char* name;
   double& (*in)(Scene&);
@@ -45,13 +45,13 @@ class PaperDrops : public DropSimulator {
     return number_of(constant).in(scene);
   }
   double first_touchdown(std::size_t m) const override {
-    const Scene scene = at(m, {});
+    const Scene scene = scene_at(m, {});
     return is_ballistic(scene.drop, 0) ? fall_time(scene) : 0;
   }
   FollowedDrop follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
                       const SimulateOptions& options) const override {
     FollowedDrop out;
-    const Scene scene = at(m, settings);
+    const Scene scene = scene_at(m, settings);
     if (!(scene.drop.height >= 0 && scene.floor->stiffness > 0)) return out;
     DropRollout rolled = roll_drop(scene, sea_, drops_[m].motion, times, options);
     out.complete = rolled.complete, out.steps = rolled.steps, out.jumps = std::move(rolled.jumps);
@@ -72,10 +72,10 @@ class PaperDrops : public DropSimulator {
   }
   bool differentiate(std::size_t, const Settings&, const std::vector<double>&, const SimulateOptions&,
                      FollowedDrop&) const override {
-    return true;  // follow does
+    return true;  // follow has set the slopes
   }
   double peak(std::size_t m, const Settings& settings, double until, const SimulateOptions& options) const override {
-    Scene scene = at(m, settings);
+    Scene scene = scene_at(m, settings);
     scene.t_end = until;
     SimulateOptions to_the_end = options;
     to_the_end.rest = SimulateOptions::Rest::kIgnore;
@@ -83,7 +83,7 @@ class PaperDrops : public DropSimulator {
   }
 
  private:
-  Scene at(std::size_t m, const Settings& settings) const {
+  Scene scene_at(std::size_t m, const Settings& settings) const {
     Scene scene = scene_;
     scene.drop = drops_[m].thrown;
     scene.drop.pitch = scene_.drop.pitch;

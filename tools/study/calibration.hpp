@@ -11,31 +11,31 @@
 
 namespace ukemi::tools {
 
-/// One drop: its log and how it was played and thrown.
+/// One drop: its log, the motion that was played, and the drop's initial conditions.
 struct LoggedDrop {
   landing::DropLog log;
   landing::Motion motion;
-  landing::Drop thrown;  ///< its pitch is the scene's, whatever is given here
+  landing::Drop thrown;  ///< initial conditions; the pitch is ignored: the scene's counts
 };
 
 struct Calibration : FloorFit {
   landing::Scene scene;  ///< the given one with the fitted constants, their covariance and verdicts
 };
 
-/// Drops and what became of them.
+/// Drops and their calibration.
 struct CalibratedDrops {
   std::vector<LoggedDrop> drops;
   Calibration result;
 };
 
-/// Throws InputError where the scene lacks a floor or contacts, and as check_logs.
+/// Throws InputError where the scene has no floor or no contacts, and as check_logs does.
 void check_drops(const landing::Scene& scene, const std::vector<LoggedDrop>& drops);
 
-/// Fits the constants of `scene` to the drops, see fit_floor. Throws InputError as check_drops.
+/// Fits the constants of `scene` to the drops, see fit_floor. Throws InputError as check_drops does.
 [[nodiscard]] Calibration calibrate(const landing::Scene& scene, const SeaParameters<double>& sea,
                                     const std::vector<LoggedDrop>& drops, const CalibrationOptions& options = {});
 
-/// The drops for given constants, see validate_floor.
+/// Simulates the drops with the scene's constants, see validate_floor.
 [[nodiscard]] Calibration validate(const landing::Scene& scene, const SeaParameters<double>& sea,
                                    const std::vector<LoggedDrop>& drops, const CalibrationOptions& options = {});
 

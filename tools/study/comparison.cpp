@@ -15,20 +15,21 @@ std::optional<bool> ConstantDifference::inside() const {
   return z() ? std::optional(std::abs(*z()) <= kNormal975) : std::nullopt;
 }
 
-std::vector<ConstantDifference> differences(const OfSets<Actuator>& sets, const std::string& of) {
+std::vector<ConstantDifference> differences(const PerSet<Actuator>& sets, const std::string& suffix) {
   std::vector<ConstantDifference> out;
   const auto a = constants(sets[0].sea), b = constants(sets[1].sea);
   for (std::size_t i = 0; i < kConstants; ++i)
-    out.push_back({kConstantNames[i] + of, kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
+    out.push_back(
+        {kConstantNames[i] + suffix, kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
   return out;
 }
 
 namespace {
 
-OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials& measured, double escape) {
+PerSet<identify::Fit> predictions(const PerSet<Actuator>& sets, const RigTrials& measured, double escape) {
   identify::FitOptions options;
   options.escape = escape;
-  OfSets<identify::Fit> out;
+  PerSet<identify::Fit> out;
   for (std::size_t s = 0; s < 2; ++s) {
     const SeaParameters<double> sea = measured.rig.mounted(sets[s].sea);
     out[s] = identify::predict(measured.rig, measured.trials, sea, options);
@@ -36,8 +37,8 @@ OfSets<identify::Fit> predictions(const OfSets<Actuator>& sets, const RigTrials&
   return out;
 }
 
-/// Adds each set's best motion, then lands each under both actuators; false where one could not be or was stopped.
-bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
+/// Appends each set's best motion, then lands each under both actuators; false where one failed or was stopped.
+bool compare_motions(const PerSet<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
                      std::vector<ComparedMotion>& motions) {
   OptimizeOptions search = options.search;
   const auto best = [&](std::size_t s) {
@@ -51,8 +52,8 @@ bool compare_motions(const OfSets<Actuator>& sets, const Scene& scene, const Com
   return compare_motions(motions, best, land, [&] { return search.monitor.stopped(); });
 }
 
-/// Adds the plans for drops that scatter; false where one could not be found or was stopped.
-bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
+/// Appends the plans for drops that scatter; false where one could not be found or was stopped.
+bool compare_plans(const PerSet<Actuator>& sets, const Scene& scene, const ComparisonOptions& options,
                    std::vector<ComparedPlan>& plans) {
   const Scatter scatter = scatter_for(options.robust.scatter, scene);
   const bool measured = !options.robust.drops.empty();
@@ -78,7 +79,7 @@ bool compare_plans(const OfSets<Actuator>& sets, const Scene& scene, const Compa
 
 }  // namespace
 
-Comparison compare(const OfSets<Actuator>& sets, const std::optional<RigTrials>& measured,
+Comparison compare(const PerSet<Actuator>& sets, const std::optional<RigTrials>& measured,
                    const std::optional<Scene>& scene, const ComparisonOptions& options) {
   Comparison out{.sets = sets, .measured = measured, .scene = scene, .constants = differences(sets)};
   if (measured) {

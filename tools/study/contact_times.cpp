@@ -10,12 +10,12 @@ using namespace landing;
 
 namespace {
 
-constexpr double kPart = 0.05, kOfWeight = 0.2, kNoises = 6, kLeaves = 0.5;  // of the largest force; of the level
+constexpr double kOfLargest = 0.05, kOfWeight = 0.2, kNoises = 6, kLiftoff = 0.5;  // kLiftoff: of the threshold
 
-/// The force across the floor of a contact: its channel.
+/// The channel of a contact's normal force.
 struct ForceChannel {
   int contact;
-  std::size_t at;
+  std::size_t index;
   std::string name;
 };
 std::vector<ForceChannel> force_channels(const Robot& robot, const std::vector<RobotTrial>& trials) {
@@ -34,30 +34,30 @@ std::vector<double> actual(std::vector<double> logged, const Sensor& sensor) {
   return logged;
 }
 
-/// How long two stances are one within a trial of that length.
-double shared(const Stance& a, const Stance& b, double end) {
+/// Overlap of two stances within a trial of length `end` [s]; negative: the gap between them.
+double overlap(const Stance& a, const Stance& b, double end) {
   const auto from = [](const Stance& s) { return std::isnan(s.touchdown) ? 0 : s.touchdown; };
   const auto to = [end](const Stance& s) { return std::isnan(s.liftoff) ? end : s.liftoff; };
   return std::min(to(a), to(b)) - std::max(from(a), from(b));
 }
 
-/// Of each of `a`, which of `b` it shares most time with; each is taken once. -1: none.
+/// Greedy matching by longest overlap: the index into `b` of each of `a`; -1: none.
 std::vector<int> partners(const std::vector<Stance>& a, const std::vector<Stance>& b, double end) {
   std::vector<int> out(a.size(), -1);
   std::vector<bool> taken(b.size(), false);
   for (;;) {
-    double most = 0;
-    std::size_t of = 0, with = 0;
+    double longest = 0;
+    std::size_t best_a = 0, best_b = 0;
     for (std::size_t i = 0; i < a.size(); ++i)
       for (std::size_t j = 0; j < b.size(); ++j)
-        if (const double time = shared(a[i], b[j], end); out[i] < 0 && !taken[j] && time > most)
-          most = time, of = i, with = j;
-    if (most == 0) return out;
-    out[of] = int(with), taken[with] = true;
+        if (const double time = overlap(a[i], b[j], end); out[i] < 0 && !taken[j] && time > longest)
+          longest = time, best_a = i, best_b = j;
+    if (longest == 0) return out;
+    out[best_a] = int(best_b), taken[best_b] = true;
   }
 }
 
-/// The change of the rollout that a stance of it is read from: the nearest of its kind.
+/// Index of the rollout's touchdown or lift-off of a contact that is closest to t.
 std::optional<std::size_t> change_at(const DropResult& d, int contact, bool touches, double t) {
   std::optional<std::size_t> out;
   for (std::size_t i = 0; i < d.changes.size(); ++i)
@@ -65,33 +65,34 @@ std::optional<std::size_t> change_at(const DropResult& d, int contact, bool touc
       if (!out || std::abs(c.t - t) < std::abs(d.changes[*out].t - t)) out = i;
   return std::isfinite(t) ? out : std::nullopt;
 }
-void set_bands(const DropResult& d, const Promise& promise, ComparedStance& s) {
+void set_bands(const DropResult& d, const PredictionBands& bands, ComparedStance& s) {
   const Stance& p = s.predicted;
-  const auto down = change_at(d, s.contact, true, p.touchdown), up = change_at(d, s.contact, false, p.liftoff),
-             left = change_at(d, s.contact, false, p.left);
-  if (down) s.touchdown_band = promise.half_band(*down);
-  if (down && up) s.duration_band = promise.half_band(*down, *up);
-  if (down && left) s.flight_band = promise.half_band(*left, *down);
+  const auto touchdown = change_at(d, s.contact, true, p.touchdown),
+             liftoff = change_at(d, s.contact, false, p.liftoff),
+             previous = change_at(d, s.contact, false, p.previous_liftoff);
+  if (touchdown) s.touchdown_band = bands.half_band(*touchdown);
+  if (touchdown && liftoff) s.duration_band = bands.half_band(*touchdown, *liftoff);
+  if (touchdown && previous) s.flight_band = bands.half_band(*previous, *touchdown);
 }
 
-/// The mean of a duration over all stances of the logs of a contact but one; NaN where fewer than two know it.
-double mean_of_others(const std::vector<ComparedStance>& all, const ComparedStance& own,
+/// The mean of a duration over all other logged stances of a contact; NaN where fewer than two have it.
+double mean_of_others(const std::vector<ComparedStance>& all, const ComparedStance& excluded,
                       double (Stance::*duration)() const) {
   double sum = 0;
   int n = 0;
   for (const ComparedStance& s : all)
-    if (const double x = (s.measured.*duration)(); &s != &own && s.contact == own.contact && std::isfinite(x))
+    if (const double x = (s.measured.*duration)(); &s != &excluded && s.contact == excluded.contact && std::isfinite(x))
       sum += x, ++n;
   return n >= 2 ? sum / n : Stance::kUnknown;
 }
 
-class Means {
+class MeanErrors {
  public:
   void add(double measured, double predicted, double band, double others) {
-    const double off = std::abs(predicted - measured);
-    if (!std::isfinite(off)) return;
-    ++errors_.count, absolute_ += off, relative_ += off / measured;
-    others_ += std::abs(others - measured) / measured, within_ += std::isnan(band) ? band : double(off <= band);
+    const double error = std::abs(predicted - measured);
+    if (!std::isfinite(error)) return;
+    ++errors_.count, absolute_ += error, relative_ += error / measured;
+    others_ += std::abs(others - measured) / measured, within_ += std::isnan(band) ? band : double(error <= band);
   }
   TimeErrors durations() const {
     TimeErrors out = errors_;
@@ -113,32 +114,32 @@ class Means {
 
 }  // namespace
 
-double stance_level(double largest, double weight, double noise) {
-  const double part = kPart * largest, small = weight > 0 ? std::min(part, kOfWeight * weight) : part;
+double stance_threshold(double largest, double weight, double noise) {
+  const double part = kOfLargest * largest, small = weight > 0 ? std::min(part, kOfWeight * weight) : part;
   return noise > small ? noise : small;
 }
 
-std::vector<Stance> stances(const std::vector<double>& t, const std::vector<double>& force, double level) {
+std::vector<Stance> stances(const std::vector<double>& t, const std::vector<double>& force, double threshold) {
   std::vector<Stance> out;
-  bool stands = false;
-  std::optional<std::size_t> before;
-  const auto crossing = [&](std::size_t i, double through) {
-    if (!before) return Stance::kUnknown;
-    return std::lerp(t[*before], t[i], (through - force[*before]) / (force[i] - force[*before]));
+  bool in_stance = false;
+  std::optional<std::size_t> previous;
+  const auto crossing = [&](std::size_t i, double value) {
+    if (!previous) return Stance::kUnknown;
+    return std::lerp(t[*previous], t[i], (value - force[*previous]) / (force[i] - force[*previous]));
   };
   for (std::size_t i = 0; i < force.size(); ++i) {
     if (!std::isfinite(force[i])) continue;
-    if (!stands && force[i] > level) {
-      stands = true;
-      const double touchdown = crossing(i, level), left = out.empty() ? Stance::kUnknown : out.back().liftoff;
-      if (touchdown - left < kShortestFlight)
+    if (!in_stance && force[i] > threshold) {
+      in_stance = true;
+      const double touchdown = crossing(i, threshold), liftoff = out.empty() ? Stance::kUnknown : out.back().liftoff;
+      if (touchdown - liftoff < kShortestFlight)
         out.back().liftoff = Stance::kUnknown;
       else
-        out.push_back({touchdown, Stance::kUnknown, left});
-    } else if (stands && force[i] < kLeaves * level) {
-      stands = false, out.back().liftoff = crossing(i, kLeaves * level);
+        out.push_back({touchdown, Stance::kUnknown, liftoff});
+    } else if (in_stance && force[i] < kLiftoff * threshold) {
+      in_stance = false, out.back().liftoff = crossing(i, kLiftoff * threshold);
     }
-    before = i;
+    previous = i;
   }
   return out;
 }
@@ -148,20 +149,20 @@ std::vector<ComparedStance> compared_stances(const DrivenRobot& robot, const std
   std::vector<ComparedStance> out;
   for (const ForceChannel& channel : force_channels(robot.scene.robot, trials)) {
     const Sensor sensor = robot.sensors.of(channel.name);
-    const double noise = kNoises * followed.noise[channel.at] / sensor.gain;
+    const double noise = kNoises * followed.noise[channel.index] / sensor.gain;
     double largest = 0;
     for (const RobotTrial& t : trials)
-      for (const double f : t.log.output[channel.at])
+      for (const double f : t.log.output[channel.index])
         if (std::isfinite(f)) largest = std::max(largest, sensor.actual(f));
     if (!(largest > 0)) continue;
     const Robot& body = robot.scene.robot;
-    const double level = stance_level(largest, body.mass() * body.gravity, noise);
+    const double threshold = stance_threshold(largest, body.mass() * body.gravity, noise);
     for (std::size_t m = 0; m < trials.size(); ++m) {
       const DropLog& log = trials[m].log;
       const DropResult& d = followed.drops[m];
-      if (!d.simulated || log.output[channel.at].empty()) continue;
-      const std::vector<Stance> measured = stances(log.t, actual(log.output[channel.at], sensor), level),
-                                predicted = stances(log.t, actual(d.value[channel.at], sensor), level);
+      if (!d.simulated || log.output[channel.index].empty()) continue;
+      const std::vector<Stance> measured = stances(log.t, actual(log.output[channel.index], sensor), threshold),
+                                predicted = stances(log.t, actual(d.value[channel.index], sensor), threshold);
       const std::vector<int> partner = partners(measured, predicted, log.t.back());
       for (std::size_t i = 0; i < measured.size(); ++i) {
         ComparedStance s{.trial = m, .contact = channel.contact, .in_log = true, .measured = measured[i]};
@@ -174,8 +175,8 @@ std::vector<ComparedStance> compared_stances(const DrivenRobot& robot, const std
     }
   }
   for (ComparedStance& s : out) {
-    if (followed.promises.size() > s.trial && followed.promises[s.trial].known())
-      set_bands(followed.drops[s.trial], followed.promises[s.trial], s);
+    if (followed.bands.size() > s.trial && followed.bands[s.trial].known())
+      set_bands(followed.drops[s.trial], followed.bands[s.trial], s);
     s.duration_of_others = mean_of_others(out, s, &Stance::duration);
     s.flight_of_others = mean_of_others(out, s, &Stance::flight);
   }
@@ -187,7 +188,7 @@ std::vector<StanceErrors> stance_errors(const DrivenRobot& robot, const std::vec
   std::vector<StanceErrors> out;
   for (const ForceChannel& channel : force_channels(robot.scene.robot, trials)) {
     StanceErrors e{.contact = channel.contact};
-    Means touchdown, duration, flight;
+    MeanErrors touchdown, duration, flight;
     for (const ComparedStance& s : compared) {
       if (s.contact != channel.contact) continue;
       e.measured += s.in_log, e.missed += !s.in_rollout, e.added += !s.in_log;

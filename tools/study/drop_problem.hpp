@@ -1,5 +1,5 @@
-// The least-squares problem of drops with one layout of terms, and how it is searched from a start. Private to the
-// fits of tools/study.
+// The least-squares problem of drops with one layout of terms, and its solution from a start. Private to the fits of
+// tools/study.
 #pragma once
 
 #include <limits>
@@ -10,15 +10,15 @@
 
 namespace ukemi::tools {
 
-inline constexpr double kWhole = std::numeric_limits<double>::infinity();  ///< of a part: all of the drops
-inline constexpr int kPartIterations = 12;  ///< of the solver, at most, in a part that is not the whole
+inline constexpr double kWhole = std::numeric_limits<double>::infinity();  ///< horizon of the whole drops
+inline constexpr int kPartIterations = 12;  ///< at most, of the solver in a part that is not the whole
 
-/// The places of all drops.
+/// The indices of all drops.
 std::vector<std::size_t> every_drop(const DropSimulator& simulator);
 
-/// What it is made from must outlive it.
+/// Keeps references to its arguments.
 struct DropProblem {
-  /// Values of the layout's shared terms: where a search starts.
+  /// Start values of the layout's shared terms.
   using Start = std::vector<double>;
   using Problem = identify::LeastSquaresProblem;
   using Solution = identify::LeastSquaresSolution;
@@ -26,39 +26,39 @@ struct DropProblem {
   const DropSimulator& simulator;
   const DropLayout layout;
   const CalibrationOptions& options;
-  const std::vector<std::size_t> which;  ///< of the drops
-  const std::vector<double> horizons;
-  std::vector<DropResiduals> models;
-  mutable long steps = 0, parts = 0;  ///< integrated, and done, so far
-  mutable bool spent = false;         ///< a start was ended because its work was spent
+  const std::vector<std::size_t> subset;  ///< indices of the drops
+  const std::vector<double> horizons;     ///< of the parts, after the first touchdown [s]
+  std::vector<DropResiduals> residuals;   ///< by drop of the subset
+  mutable long steps = 0, parts = 0;      ///< integrated, and completed, so far
+  mutable bool work_exceeded = false;     ///< a start was stopped at its limit of work
 
   /// Of all drops.
   DropProblem(const DropSimulator& simulator, DropLayout layout, const CalibrationOptions& options);
   DropProblem(const DropSimulator& simulator, DropLayout layout, const CalibrationOptions& options,
-              std::vector<std::size_t> some);
+              std::vector<std::size_t> subset);
   DropProblem(const DropProblem&) = delete;
 
-  /// The scene's constants; what is not a constant is absent.
+  /// The scene's constants; other terms at the values at which they have no effect.
   Start given() const;
-  /// From `start`, `after` seconds beyond each drop's first touchdown. Where that is not the whole, the constants are
-  /// held loosely to the start: what so short a part does not determine must not run away.
-  Problem problem(const Start& start, const std::vector<double>& sigma, double after) const;
-  /// The whole, from a solution of it.
+  /// The problem at `start`, each drop up to `horizon` seconds after its first touchdown. Unless that is the whole,
+  /// weak priors hold the constants near the start: a short part may not determine all of them.
+  Problem problem(const Start& start, const std::vector<double>& sigma, double horizon) const;
+  /// The problem of the whole drops, started at a solution.
   Problem problem_from(const Solution& solution, const std::vector<double>& sigma) const;
-  /// The work that a start may take [integrated steps].
+  /// Limit of the work from one start [integrated steps].
   double work_of_start() const;
-  /// Ends where the relative fall of the cost is below the tolerance, or the steps are more than `until`.
-  Solution solve(const Problem& problem, int iterations, long until, double tolerance = kSearched) const;
-  /// From `start`, part by part. Where the monitor stops it or its work is spent: the last part that was done, not
-  /// converged; of parts that are not the whole no cost is comparable.
+  /// Stops when the relative decrease of the cost is below the tolerance, or `steps` exceeds `max_steps`.
+  Solution solve(const Problem& problem, int iterations, long max_steps, double tolerance = kSearchTolerance) const;
+  /// Solves from `start` over growing parts. Where the monitor stops it or its work exceeds the limit: the solution of
+  /// the last complete part, not converged; only costs of the whole drops are comparable.
   Solution solve_in_parts(Start start, const std::vector<double>& sigma) const;
-  /// Free constants drawn about the scene's own.
+  /// Free constants drawn about the scene's.
   Start drawn(Random random) const;
   std::vector<DropResult> replay(const Solution& solution) const;
 
  private:
-  static constexpr double kSearched = 1e-6;  ///< relative fall of the cost that ends a search from a start
-  /// The solution's constants; what is no constant starts anew.
+  static constexpr double kSearchTolerance = 1e-6;  ///< relative decrease of the cost that ends a search from a start
+  /// The solution's constants; other terms as in `from`.
   Start constants_at(const Solution& solution, Start from) const;
 };
 

@@ -17,7 +17,7 @@ using identify::ResidualBlock;
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr long kMostSteps = 20'000;  ///< of one drop: ten times what any of datasets/drops takes
+constexpr long kMaxSteps = 20'000;  ///< for one drop: ten times what any of datasets/drops takes
 
 }  // namespace
 
@@ -28,7 +28,7 @@ DropResiduals::DropResiduals(const DropSimulator& simulator, std::size_t drop, c
       layout_(layout),
       monitor_(options.monitor),
       steps_(steps),
-      options_{.accuracy = options.accuracy, .max_steps = kMostSteps},
+      options_{.accuracy = options.accuracy, .max_steps = kMaxSteps},
       interval_(log().output.size(), 0.0) {
   const std::vector<double>& t = log().t;
   bool shifted = false;
@@ -58,35 +58,35 @@ ResidualBlock DropResiduals::block(const std::vector<double>& sigma, double seco
   for (std::size_t o = 0; o < log().output.size(); ++o)
     for (std::size_t i = first_; i < std::min(end, log().output[o].size()); ++i)
       if (std::isfinite(log().output[o][i])) rows.push_back({o, i});
-  const auto memory = std::make_shared<Memory>();
+  const auto cache = std::make_shared<Cache>();
   return {int(rows.size() + priors.size()),
           [=, this](const double* shared, const double* own, double* r, double* jacobian) {
-            const Rolled* rolled = recall(*memory, shared, own, end, jacobian != nullptr);
-            if (!rolled) return false;
+            const Rollout* rollout = rollout_at(*cache, shared, own, end, jacobian != nullptr);
+            if (!rollout) return false;
             const std::size_t size = rows.size() + priors.size();
             std::size_t row = 0;
-            // A residual and, where they are needed, its derivatives by each term.
+            // Sets a residual and, if needed, its derivatives by each term.
             const auto fill = [&](double residual, const auto& by_column) {
               if (jacobian)
-                for (std::size_t c = 0; c < rolled->settings.size(); ++c) jacobian[c * size + row] = by_column(c);
+                for (std::size_t c = 0; c < rollout->settings.size(); ++c) jacobian[c * size + row] = by_column(c);
               r[row++] = residual;
             };
             for (const Row& x : rows) {
-              if (left_out(*rolled, x.output, x.sample)) {
+              if (left_out(*rollout, x.output, x.sample)) {
                 fill(0, [](std::size_t) { return 0.0; });
                 continue;
               }
               const std::size_t n = x.sample - first_;
               const double inverse = 1 / sigma[x.output];
-              fill((rolled->drop.value[x.output][n] - log().output[x.output][x.sample]) * inverse,
-                   [&](std::size_t c) { return inverse * rolled->drop.slope[x.output](long(n), long(c)); });
+              fill((rollout->drop.value[x.output][n] - log().output[x.output][x.sample]) * inverse,
+                   [&](std::size_t c) { return inverse * rollout->drop.slope[x.output](long(n), long(c)); });
             }
             for (const Prior& p : priors) {
               double value = 0;
-              for (const Setting& x : rolled->settings)
+              for (const Setting& x : rollout->settings)
                 if (x.term->name == p.term) value = x.value;
               fill((value - p.value) / p.std,
-                   [&](std::size_t c) { return rolled->settings[c].term->name == p.term ? 1 / p.std : 0; });
+                   [&](std::size_t c) { return rollout->settings[c].term->name == p.term ? 1 / p.std : 0; });
             }
             return true;
           }};
@@ -96,9 +96,9 @@ DropResult DropResiduals::replay(const double* shared, const double* own, Peaks 
   const std::size_t outputs = log().output.size();
   DropResult out{.file = log().file};
   out.value.resize(outputs), out.used.resize(outputs), out.rms.assign(outputs, kNaN);
-  Rolled rolled;
-  roll(shared, own, log().t.size(), options_, rolled);
-  out.simulated = rolled.drop.complete;
+  Rollout rollout;
+  roll(shared, own, log().t.size(), options_, rollout);
+  out.simulated = rollout.drop.complete;
   out.peak_measured = out.peak_simulated = out.peak_between = kNaN;
   if (!out.simulated) return out;
   for (std::size_t k = 0; k < outputs; ++k) {
@@ -109,17 +109,17 @@ DropResult DropResiduals::replay(const double* shared, const double* own, Peaks 
     long n = 0;
     for (std::size_t i = first_; i < measured.size(); ++i) {
       if (!std::isfinite(measured[i])) continue;
-      out.value[k][i] = rolled.drop.value[k][i - first_];
-      if (left_out(rolled, k, i)) continue;
+      out.value[k][i] = rollout.drop.value[k][i - first_];
+      if (left_out(rollout, k, i)) continue;
       out.used[k][i] = true;
       sum += std::pow(out.value[k][i] - measured[i], 2), ++n;
     }
     if (n > 0) out.rms[k] = std::sqrt(sum / double(n));
   }
-  for (const double t : rolled.drop.jumps) out.jumps.push_back(t - rolled.shift);
-  out.changes = rolled.drop.changes;
-  if (peaks == Peaks::kLeave) return out;
-  out.peak_between = simulator_.peak(drop_, rolled.settings, log().t.back() + rolled.shift, options_);
+  for (const double t : rollout.drop.jumps) out.jumps.push_back(t - rollout.shift);
+  out.changes = rollout.drop.changes;
+  if (peaks == Peaks::kSkip) return out;
+  out.peak_between = simulator_.peak(drop_, rollout.settings, log().t.back() + rollout.shift, options_);
   if (std::isnan(out.peak_between) || simulator_.logs_of() == LogsOf::kTrials) return out;
   for (std::size_t i = first_; i < log().t.size(); ++i) {
     const auto& a = log().output;
@@ -128,34 +128,34 @@ DropResult DropResiduals::replay(const double* shared, const double* own, Peaks 
                                                                      : kNaN;
     if (!std::isfinite(measured)) continue;
     out.peak_measured = std::fmax(out.peak_measured, measured);
-    out.peak_simulated = std::fmax(out.peak_simulated, rolled.drop.value[kAcc][i - first_]);
+    out.peak_simulated = std::fmax(out.peak_simulated, rollout.drop.value[kAcc][i - first_]);
   }
   return out;
 }
 
-const DropResiduals::Rolled* DropResiduals::recall(Memory& m, const double* shared, const double* own, std::size_t end,
-                                                   bool with_slopes) const {
+const DropResiduals::Rollout* DropResiduals::rollout_at(Cache& cache, const double* shared, const double* own,
+                                                        std::size_t end, bool slopes) const {
   std::vector<double> point(shared, shared + layout_.shared.size());
   point.insert(point.end(), own, own + layout_.own.size());
   if (monitor_.stopped()) return nullptr;
   SimulateOptions options = options_;
   if (monitor_.stop) options.over = &monitor_.stop;
-  if (point != m.point || m.point.empty()) {
-    m.point = point;
-    roll(shared, own, end, options, m.rolled);
+  if (point != cache.point || cache.point.empty()) {
+    cache.point = point;
+    roll(shared, own, end, options, cache.rollout);
   }
-  FollowedDrop& drop = m.rolled.drop;
+  FollowedDrop& drop = cache.rollout.drop;
   if (!drop.complete) return nullptr;
-  if (with_slopes && drop.slope.empty()) {
+  if (slopes && drop.slope.empty()) {
     const long before = drop.steps;
-    if (!simulator_.differentiate(drop_, m.rolled.settings, m.rolled.times, options, drop)) return nullptr;
+    if (!simulator_.differentiate(drop_, cache.rollout.settings, cache.rollout.times, options, drop)) return nullptr;
     steps_ += drop.steps - before;
   }
-  return &m.rolled;
+  return &cache.rollout;
 }
 
 void DropResiduals::roll(const double* shared, const double* own, std::size_t end, const SimulateOptions& options,
-                         Rolled& out) const {
+                         Rollout& out) const {
   out.settings.clear(), out.times.clear();
   out.shift = 0;
   layout_.for_each(shared, own, [&](const DropTerm& term, double value, std::size_t) {
@@ -167,19 +167,19 @@ void DropResiduals::roll(const double* shared, const double* own, std::size_t en
   steps_ += out.drop.steps;
 }
 
-bool DropResiduals::left_out(const Rolled& rolled, std::size_t channel, std::size_t i) const {
+bool DropResiduals::left_out(const Rollout& rollout, std::size_t channel, std::size_t i) const {
   if (!simulator_.channels()[channel].jumps) return false;
-  const std::vector<double>& jumps = rolled.drop.jumps;
-  const double width = interval_[channel], t = log().t[i] + rolled.shift;
+  const std::vector<double>& jumps = rollout.drop.jumps;
+  const double width = interval_[channel], t = log().t[i] + rollout.shift;
   const auto next = std::lower_bound(jumps.begin(), jumps.end(), t - width);
   return next != jumps.end() && *next <= t + width;
 }
 
 namespace {
 
-/// What a log's own steps leave open of each of its values: a standard deviation of a step over sqrt(12). A slow
-/// encoder repeats its values, and its differences alone would tell no noise.
-double rounding(const std::vector<double>& x) {
+/// Standard deviation of the quantisation of a log: its smallest step over sqrt(12). A coarse encoder repeats its
+/// values, so that their differences alone would show no noise.
+double quantisation(const std::vector<double>& x) {
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 1; i < x.size(); ++i)
     if (x[i] != x[i - 1]) step = std::min(step, std::abs(x[i] - x[i - 1]));
@@ -196,10 +196,10 @@ std::vector<double> noise_of(const DropSimulator& drops) {
       std::vector<double> x;
       for (const double v : drops.log(m).output[o])
         if (std::isfinite(v)) x.push_back(v), largest = std::max(largest, std::abs(v));
-      sum += double(x.size()) * std::pow(std::max(identify::noise_level(x), rounding(x)), 2), n += double(x.size());
+      sum += double(x.size()) * std::pow(std::max(identify::noise_level(x), quantisation(x)), 2), n += double(x.size());
     }
-    constexpr double kFinest = 1e-9;  // of the output: a log without noise still has a weight
-    out.push_back(n > 0 ? std::max({std::sqrt(sum / n), kFinest * largest, 1e-12}) : kNaN);
+    constexpr double kMinNoise = 1e-9;  // relative to the output, so that a log without noise has a finite weight
+    out.push_back(n > 0 ? std::max({std::sqrt(sum / n), kMinNoise * largest, 1e-12}) : kNaN);
   }
   return out;
 }

@@ -1,4 +1,4 @@
-// Drops of a robot as a function of a fit's terms: all that the fit of a floor knows of the robot.
+// Simulated drops of a robot as a function of the fitted terms: the interface of the fit of a floor to the robot.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,29 +13,29 @@
 
 namespace ukemi::tools {
 
-/// Terms at their values; constants first, for a nuisance is added to one.
+/// A term and its value; in Settings constants come first, since a nuisance term is added to one.
 struct Setting {
   const DropTerm* term;
   double value;
 };
 using Settings = std::vector<Setting>;
 
-/// One drop at given times.
+/// A drop, simulated at given times.
 struct FollowedDrop {
-  std::vector<std::vector<double>> value;  ///< of each channel, one a time
-  /// Values of each channel, times x settings; empty: not known yet.
+  std::vector<std::vector<double>> value;  ///< of each channel at each time
+  /// Derivatives of each channel's values, times x settings; empty: not computed yet.
   std::vector<Eigen::MatrixXd> slope;
-  std::vector<double> jumps;                    ///< touchdowns and lift-offs, from release [s], in order
-  std::vector<landing::ContactChange> changes;  ///< of a robot that is driven by its log, from its first row [s]
-  bool complete = false;                        ///< every time has its values
+  std::vector<double> jumps;                    ///< times of touchdowns and lift-offs from release [s], in order
+  std::vector<landing::ContactChange> changes;  ///< of a robot driven by its log, times from its first row [s]
+  bool complete = false;                        ///< there are values at every time
   long steps = 0;                               ///< integrated, taken or rejected
 };
 
 /// What the logs are of.
 enum class LogsOf { kDrops, kTrials };
-/// How a fit of them is told; `unlike`: where no start is near.
+/// The words of a fit's messages; `hint`: what to check where no start is close.
 struct FitWords {
-  const char *one, *many, *model, *title, *next, *unlike;
+  const char *one, *many, *model, *title, *next, *hint;
 };
 constexpr FitWords words(LogsOf logs) {
   if (logs == LogsOf::kTrials)
@@ -44,53 +44,52 @@ constexpr FitWords words(LogsOf logs) {
             .model = "robot",
             .title = "Identification of a robot",
             .next = "`ukemi predict LOG --robot robot.toml` says whether it holds on another log.",
-            .unlike = "are the columns' signs and units right, are the robot's constants near?"};
+            .hint = "are the columns' signs and units right, are the robot's constants near?"};
   return {.one = "drop",
           .many = "drops",
           .model = "floor",
           .title = "Calibration",
           .next = "`ukemi optimize` with scene.toml plans on this floor.",
-          .unlike = "are the drop's height, speed and pitch right, is t = 0 the release?"};
+          .hint = "are the drop's height, speed and pitch right, is t = 0 the release?"};
 }
 
-/// A drop followed with settings, of which the term `moved` is `by` beside where it was.
-using FollowBeside = std::function<FollowedDrop(const Settings& settings, const DropTerm& moved, double by)>;
-/// Fills the slopes of `followed` by one-sided differences, on threads (0: all cores; without influence on the result);
-/// the step is `part` of a constant's value, or of a term's size where that is larger. A way that leaves the term's
-/// bounds, or that cannot be followed, is taken the other way. False: neither could be, there are no slopes then.
-bool differentiate_by_differences(const Settings& settings, double part, int threads, const FollowBeside& follow,
-                                  FollowedDrop& followed);
+/// Simulates a drop with perturbed settings, in which `term` has been changed by `step`.
+using FollowPerturbed = std::function<FollowedDrop(const Settings& perturbed, const DropTerm& term, double step)>;
+/// Fills the slopes of `followed` by one-sided differences, on threads (0: all cores; results do not depend on it); the
+/// step is `relative_step` times a constant's value, or a term's size where that is larger. A step that leaves the
+/// term's bounds or cannot be simulated is taken backwards. False, without slopes: neither direction is possible.
+bool finite_difference_slopes(const Settings& settings, double relative_step, int threads,
+                              const FollowPerturbed& follow, FollowedDrop& followed);
 
 class DropSimulator {
  public:
   virtual ~DropSimulator() = default;
 
   virtual LogsOf logs_of() const { return LogsOf::kDrops; }
-  /// From a drop's first touchdown on, how far it is followed, part by part [s]: what comes after a touchdown can be
-  /// met only once the touchdown is. The last is the whole. `test_regression "calibrate*"` chose these, from starts 30
-  /// % off.
-  virtual std::vector<double> parts() const {
+  /// Horizons of the fit's parts, from a drop's first touchdown [s], increasing: what follows a touchdown can be fitted
+  /// only once the touchdown is. The last is the whole. Tuned by `test_regression "calibrate*"`, from starts 30 % off.
+  virtual std::vector<double> horizons() const {
     return {0.02, 0.03, 0.05, 0.08, 0.13, 0.2, 0.3, 0.5, std::numeric_limits<double>::infinity()};
   }
 
-  /// What its logs may hold.
+  /// The channels that its logs may hold.
   virtual const std::vector<landing::DropChannel>& channels() const = 0;
   virtual std::size_t drops() const = 0;
   virtual const landing::DropLog& log(std::size_t drop) const = 0;
-  /// A constant as the scene has it.
+  /// The scene's value of a constant.
   virtual double value(const DropTerm& constant) const = 0;
-  /// When a drop of the scene first touches the floor, from release; 0: not known beforehand [s].
+  /// Time of the first touchdown under the scene's constants, from release [s]; 0: not known beforehand.
   virtual double first_touchdown(std::size_t drop) const = 0;
-  /// At times from release [s]; a settings' shift of the log is in them already. A run that fails is not complete.
+  /// Simulates a drop at times from release [s] that include the log's shift. A run that fails is not complete.
   virtual FollowedDrop follow(std::size_t drop, const Settings& settings, const std::vector<double>& times,
                               const landing::SimulateOptions& options) const = 0;
-  /// Adds the slopes to a drop that was followed so, and the steps that this takes. False: it cannot be followed
-  /// nearby.
+  /// Adds the slopes to a drop that was simulated with these arguments, and the steps that this takes. False: the drop
+  /// cannot be simulated with perturbed terms.
   virtual bool differentiate(std::size_t drop, const Settings& settings, const std::vector<double>& times,
                              const landing::SimulateOptions& options, FollowedDrop& followed) const = 0;
-  /// Work that may be spent before a start is given up, as a multiple of that of an exact derivative.
-  virtual double patience(std::size_t /*settings*/) const { return 1; }
-  /// Largest acceleration over all times up to one [m/s^2]; NaN: no acceleration is followed.
+  /// Limit of the work from one start, as a multiple of that with exact derivatives.
+  virtual double work_factor(std::size_t /*settings*/) const { return 1; }
+  /// Largest acceleration up to time `until` [m/s^2]; NaN: the acceleration is not simulated.
   virtual double peak(std::size_t drop, const Settings& settings, double until,
                       const landing::SimulateOptions& options) const = 0;
 };

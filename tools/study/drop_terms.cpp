@@ -7,11 +7,11 @@ namespace ukemi::tools {
 
 using identify::Scope;
 
-identify::Parameter DropTerm::column(double at, const identify::Choice& choice) const {
-  return identify::parameter_of(*this, at, is_constant() && lower >= 0 ? std::max(at, size) : size, choice);
+identify::Parameter DropTerm::column(double start, const identify::Choice& choice) const {
+  return identify::parameter_of(*this, start, is_constant() && lower >= 0 ? std::max(start, size) : size, choice);
 }
 
-bool DropTerm::moves_what(const DropTerm& other) const {
+bool DropTerm::moves_same_number(const DropTerm& other) const {
   return std::any_of(moves.begin(), moves.end(), [&](const std::string& number) {
     return std::find(other.moves.begin(), other.moves.end(), number) != other.moves.end();
   });

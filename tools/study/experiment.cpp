@@ -43,7 +43,7 @@ identify::Knowledge knowledge_of(const DesignRequest& r, double noise) {
 }  // namespace
 
 DesignQuestion design_question(const DesignRequest& r) {
-  if (r.rig.drive.by_command())
+  if (r.rig.drive.known_command())
     throw InputError(Location{r.rig_name},
                      "the drive follows a command that is logged: of a hit to come none is known; "
                      "a controller in the loop is needed ([drive] command_gain, angle = \"predicted\")");

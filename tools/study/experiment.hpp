@@ -1,4 +1,4 @@
-// The design of the next experiment on a rig: what is known of an actuator, the hits that add most to it, and
+// Design of the next experiment on a rig: the hits that add most to the knowledge of an actuator's constants, and
 // simulated experiments that test the prediction. No printing, no files: tools/verbs/design.cpp is the verb.
 #pragma once
 
@@ -22,7 +22,7 @@ inline std::vector<std::pair<std::string, identify::Criterion>> criteria() {
 struct DesignQuestion {
   identify::Rig rig;
   identify::Knowledge knowledge;
-  std::vector<identify::Trial> trials;  ///< that the knowledge comes from; none: the actuator's covariance
+  std::vector<identify::Trial> trials;  ///< sources of the knowledge; none: the actuator's covariance
   identify::DesignOptions options;
 };
 struct DesignAnswer {
@@ -30,24 +30,23 @@ struct DesignAnswer {
   std::optional<identify::DesignCheck> check;
 };
 
-/// The request; what is absent is the trials' or the actuator's.
+/// The input of a design; absent values are taken from the trials or the actuator.
 struct DesignRequest {
   identify::Rig rig;
   Actuator actuator;                    ///< the present estimate
-  std::vector<identify::Trial> trials;  ///< in hand
-  identify::DesignOptions options;      ///< of its log the noise and the outputs are set here
+  std::vector<identify::Trial> trials;  ///< that exist already
+  identify::DesignOptions options;      ///< noise and outputs of its log are set by design_question
   std::optional<double> noise;          ///< standard deviation of an angle [rad], > 0; absent: the trials'
   std::optional<double> tau_max;        ///< torque limit of the spring [Nm]; absent: the rig's, else the actuator's
   /// Names of the arguments in messages.
   std::string rig_name = "rig", actuator_name = "actuator", noise_name = "noise";
 };
 
-/// Throws InputError where a drive follows a command that no hit to come has, where the noise is not known, or nothing
-/// is uncertain.
+/// Throws InputError where the drive follows a logged command, the noise is not known, or no constant is uncertain.
 [[nodiscard]] DesignQuestion design_question(const DesignRequest& request);
-/// What speaks against the knowledge, a sentence each; empty: nothing.
+/// Reasons to doubt the knowledge, a sentence each.
 [[nodiscard]] std::vector<std::string> design_doubts(const DesignQuestion& question);
-/// The hits, and with `checks` above 0 so many simulated experiments that test them.
+/// The hits and, with `checks` > 0, that many simulated experiments that test them.
 [[nodiscard]] DesignAnswer answer(const DesignQuestion& question, int checks);
 
 }  // namespace ukemi::tools

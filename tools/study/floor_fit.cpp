@@ -22,12 +22,12 @@ using identify::Estimate, identify::LeastSquaresProblem, identify::LeastSquaresS
 
 namespace {
 
-/// The fall of the cost, in squared standard deviations of the residuals, that ends the last fit, which goes on from
-/// where a search ended: it leaves 0.3 % of a standard error. And the multiple of a start's work after which no other
-/// start is tried.
-constexpr double kFitted = 1e-5, kStarts = 4;
+/// Decrease of the cost, in squared standard deviations of the residuals, that ends the final fit, which continues from
+/// the best search: it leaves 0.3 % of a standard error.
+constexpr double kFitTolerance = 1e-5;
+constexpr double kWorkOfStarts = 4;  ///< over the work limit of one start: beyond it no further start is tried
 
-/// Whether its residual is about the logs' noise.
+/// Whether the residual is close enough to the logs' noise, see CalibrationOptions::believed.
 bool believed(const LeastSquaresSolution& s, const CalibrationOptions& options) {
   return s.usable && s.cost <= options.believed * options.believed * double(s.residuals);
 }
@@ -35,8 +35,8 @@ bool believed(const LeastSquaresSolution& s, const CalibrationOptions& options) 
 /// The best solution from the scene and from starts drawn about it, until one has a small enough residual.
 LeastSquaresSolution search(const DropProblem& problem, const CalibrationOptions& options, FloorFit& out) {
   identify::MultiStart starts({.believed = [&](const LeastSquaresSolution& s) { return believed(s, options); },
-                               .work = kStarts * problem.work_of_start(),
-                               .same = options.restarts + 2,  // so few starts are no reason to end early
+                               .work = kWorkOfStarts * problem.work_of_start(),
+                               .same = options.restarts + 2,  // never reached: repeated minima do not end the search
                                .at_once = 1,
                                .threads = 1,
                                .monitor = {{}, options.monitor.stop}});
@@ -53,9 +53,9 @@ std::vector<Estimate> as_given(const CalibrationOptions& options, const DropSimu
   return identify::as_given(options.terms, [&](const DropTerm& t) { return simulator.value(t); });
 }
 
-/// The constants, their errors and verdicts.
-void report(const LeastSquaresSolution& s, const DropProblem& fitted, const LeastSquaresProblem& problem,
-            FloorFit& out) {
+/// Sets the constants, their errors and verdicts, and warns of nuisance terms at their bounds.
+void set_results(const LeastSquaresSolution& s, const DropProblem& fitted, const LeastSquaresProblem& problem,
+                 FloorFit& out) {
   const std::vector<const identify::Term*> shared(fitted.layout.shared.begin(), fitted.layout.shared.end());
   out.parameters = as_given(fitted.options, fitted.simulator);
   using identify::Wording;
@@ -72,9 +72,9 @@ void report(const LeastSquaresSolution& s, const DropProblem& fitted, const Leas
                                          e.trial + 1, shortest(e.value)));
 }
 
-/// The residuals of each output of each drop, without those that are the rollout's own.
+/// The residuals of each output of each drop, without those at the level of the rollout's numerical error.
 std::vector<identify::ResidualSeries> residuals_of(const DropSimulator& simulator, const FloorFit& c) {
-  constexpr double kExact = 1e-6;  // of an output: below it a residual is the rollout's, not the log's
+  constexpr double kExact = 1e-6;  // relative to the output: a smaller residual is the rollout's numerical error
   std::vector<identify::ResidualSeries> series;
   for (std::size_t m = 0; m < simulator.drops(); ++m)
     for (std::size_t o = 0; o < c.channels.size(); ++o) {
@@ -91,30 +91,30 @@ std::vector<identify::ResidualSeries> residuals_of(const DropSimulator& simulato
   return series;
 }
 
-/// Terms that were not fitted, at a minimum: how the residuals there move with them and with what was.
-struct FurtherTerms {
+/// Terms that were not fitted, and the sensitivity of the residuals at the minimum to them and to the fitted terms.
+struct UnfittedTerms {
   const DropSimulator& simulator;
   const CalibrationOptions& options;
   const std::vector<double>& sigma;  ///< as in the fit
   const FloorFit& fit;
-  DropLayout layout{options.terms};  ///< what was fitted, then these
-  DropProblem::Start start{};        ///< of layout.shared
+  DropLayout layout{options.terms};  ///< the fitted terms, then these
+  DropProblem::Start start{};        ///< values of layout.shared
   std::vector<identify::Term> shared{}, of_drop{};
 
-  FurtherTerms(const DropSimulator& s, const CalibrationOptions& o, const std::vector<double>& weights,
-               const FloorFit& c)
+  UnfittedTerms(const DropSimulator& s, const CalibrationOptions& o, const std::vector<double>& weights,
+                const FloorFit& c)
       : simulator(s), options(o), sigma(weights), fit(c) {
     for (const Estimate* e : c.globals()) start.push_back(e->value);
   }
   void add(const DropTerm& t) {
-    identify::Term absent = t;
-    if (t.is_constant()) {  // it may be above or below the value that it is held at, except at its bound
-      absent.absent = simulator.value(t);
-      if (absent.absent > t.lower) absent.lower = -identify::Term::kInfinity;
+    identify::Term held = t;
+    if (t.is_constant()) {  // held at its value, which it may exceed or fall below, except at its bound
+      held.absent = simulator.value(t);
+      if (held.absent > t.lower) held.lower = -identify::Term::kInfinity;
     }
     const bool each = t.scope == identify::Scope::kEach;
-    if (!each) start.push_back(absent.absent);
-    (each ? of_drop : shared).push_back(std::move(absent)), (each ? layout.own : layout.shared).push_back(&t);
+    if (!each) start.push_back(held.absent);
+    (each ? of_drop : shared).push_back(std::move(held)), (each ? layout.own : layout.shared).push_back(&t);
   }
   std::optional<identify::Sensitivity> sensitivity() const {
     const DropProblem problem(simulator, layout, options);
@@ -122,36 +122,36 @@ struct FurtherTerms {
   }
 };
 
-/// Tests the floor, see fit_floor. `sigma` as in the fit.
+/// Tests the floor by its residuals, see fit_floor. `sigma` as in the fit.
 identify::ResidualTests test_floor(const DropSimulator& simulator, const CalibrationOptions& options,
                                    const std::vector<double>& sigma, const FloorFit& c) {
   const DropLayout fitted(options.terms);
-  FurtherTerms further(simulator, options, sigma, c);
+  UnfittedTerms unfitted(simulator, options, sigma, c);
   for (const DropTerm& t : *options.terms.table) {
-    // A term that moves the same numbers as a fitted one is that term, or Chow's test.
+    // A term that acts on the same numbers as a fitted one is that term, or is covered by Chow's test.
     bool covered = options.terms.fits(t.name);
     for (const auto* list : {&fitted.shared, &fitted.own})
-      for (const DropTerm* other : *list) covered = covered || t.moves_what(*other);
-    for (const DropTerm* other : further.layout.shared)  // of a constant of all contacts, and of one
-      covered = covered || (t.is_constant() && other->is_constant() && t.moves_what(*other));
-    if (!covered) further.add(t);
+      for (const DropTerm* other : *list) covered = covered || t.moves_same_number(*other);
+    for (const DropTerm* other : unfitted.layout.shared)  // of KEY and CONTACT.KEY the first only
+      covered = covered || (t.is_constant() && other->is_constant() && t.moves_same_number(*other));
+    if (!covered) unfitted.add(t);
   }
   const std::vector<identify::ResidualSeries> series = residuals_of(simulator, c);
   std::optional<identify::Sensitivity> score;
-  if (c.converged && !series.empty()) score = further.sensitivity();
+  if (c.converged && !series.empty()) score = unfitted.sensitivity();
   identify::ResidualTests out = identify::test_residuals(series, std::move(score));
   if (out.score) out.chow = identify::chow_tests_of(*out.score);
   return out;
 }
 
-/// What the errors of constants that were not fitted make of those that were. `sigma` as in the fit.
+/// The effect of errors of constants that were not fitted on the fitted ones. `sigma` as in the fit.
 std::vector<identify::Considered> considered_of(const DropSimulator& simulator, const CalibrationOptions& options,
                                                 const std::vector<double>& sigma, const FloorFit& c) {
-  FurtherTerms further(simulator, options, sigma, c);
+  UnfittedTerms unfitted(simulator, options, sigma, c);
   auto errors = options.errors;
   std::erase_if(errors, [](const auto& of) { return of.second == 0; });
-  for (const auto& [name, std] : errors) further.add(options.terms[name]);
-  const std::optional<identify::Sensitivity> s = further.sensitivity();
+  for (const auto& [name, std] : errors) unfitted.add(options.terms[name]);
+  const std::optional<identify::Sensitivity> s = unfitted.sensitivity();
   std::vector<identify::Considered> out;
   if (!s) return out;
   const identify::ScaledSolver solve(s->information);
@@ -162,8 +162,8 @@ std::vector<identify::Considered> considered_of(const DropSimulator& simulator, 
   return out;
 }
 
-/// The likelihood profile of a fitted constant, the other terms refitted. Where the errors were widened, the rise is
-/// less by as much: its interval is as wide as theirs where it is a parabola.
+/// The likelihood profile of a fitted constant, the other terms refitted. The rise is divided by the factor by which
+/// the variance was widened, so that a parabola has the same interval.
 identify::Profile profile_of(const DropProblem& fitted, const LeastSquaresSolution& best,
                              const std::vector<double>& sigma, const FloorFit& c, std::size_t global) {
   using From = identify::Profiled::From;
@@ -175,9 +175,9 @@ identify::Profile profile_of(const DropProblem& fitted, const LeastSquaresSoluti
     if (from == From::kFit) last = best;
     LeastSquaresProblem p = fitted.problem_from(last, sigma);
     p.globals[global].start = value, p.globals[global].held = true;
-    const long until = fitted.steps + long(fitted.work_of_start());
-    LeastSquaresSolution s = fitted.solve(p, fitted.options.max_iterations, until);
-    if (!s.usable) return kWhole;
+    const long max_steps = fitted.steps + long(fitted.work_of_start());
+    LeastSquaresSolution s = fitted.solve(p, fitted.options.max_iterations, max_steps);
+    if (!s.usable) return std::numeric_limits<double>::infinity();
     last = std::move(s);
     return n * std::log(last.cost / best.cost) / widened;
   };
@@ -185,8 +185,8 @@ identify::Profile profile_of(const DropProblem& fitted, const LeastSquaresSoluti
   return identify::profile({e, c.half_width, terms.lower_of(terms[e.name]), terms.upper_of(terms[e.name]), rise});
 }
 
-/// Says where the residual stays above the logs' own noise. A model that does not explain the logs has no error bars:
-/// nothing fitted by it is trusted.
+/// Warns of residuals far above the logs' noise. A model that does not explain the logs has no valid error bars: none
+/// of its constants is trusted.
 void compare_with_noise(FloorFit& out) {
   for (std::size_t o = 0; o < out.channels.size(); ++o)
     if (std::isfinite(out.noise[o]) && out.rms[o] > identify::kFarAboveNoise * out.noise[o]) {
@@ -204,16 +204,16 @@ void CalibrationOptions::validate() const {
   terms.validate();
   for (const std::string& constant : terms.free)
     for (const std::string& nuisance : terms.nuisance)
-      if (terms[constant].moves_what(terms[nuisance]))
+      if (terms[constant].moves_same_number(terms[nuisance]))
         throw InputError(fmt::format("{} and {}: one for all drops or one each, not both", constant, nuisance));
   for (const auto& [name, std] : errors) {
     check_not_negative("--errors: " + name, std);
-    const std::string& once = name;
-    if (std::count_if(errors.begin(), errors.end(), [&](auto& e) { return e.first == once; }) > 1)
+    const std::string& given = name;
+    if (std::count_if(errors.begin(), errors.end(), [&](auto& e) { return e.first == given; }) > 1)
       throw InputError("--errors: " + name + ": given twice");
     for (const auto* list : {&terms.free, &terms.nuisance})
       for (const std::string& fitted : *list)
-        if (terms[name].moves_what(terms[fitted]))
+        if (terms[name].moves_same_number(terms[fitted]))
           throw InputError(fmt::format("--errors: {}: {} is fitted: --prior says what is known of it", name, fitted));
   }
   for (const std::string& constant : profiles)
@@ -259,7 +259,7 @@ void check_logs(const DropSimulator& drops) {
 
 namespace {
 
-/// A drop that was not simulated.
+/// The result of a drop that could not be simulated.
 DropResult not_simulated(const DropLog& log) {
   DropResult out{.file = log.file};
   out.value.resize(log.output.size()), out.used.resize(log.output.size());
@@ -279,9 +279,9 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
   out.noise = noise_of(drops);
   LeastSquaresSolution best = search(problem, options, out);
   out.steps = problem.steps;
-  if (problem.spent && !believed(best, options))
+  if (problem.work_exceeded && !believed(best, options))
     out.warnings.push_back(fmt::format("the search was ended after {:.2g} integrated steps, no start near the logs: {}",
-                                       double(problem.steps), words(out.logs_of).unlike));
+                                       double(problem.steps), words(out.logs_of).hint));
   if (!best.usable) {
     out.message = options.monitor.stopped() ? "interrupted before a part of the fit was done"
                                             : fmt::format("no start could be followed through the {}: {}",
@@ -291,22 +291,23 @@ FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options
     out.rms = rms_of(out.drops);
     return out;
   }
-  // Once more with each output's weight from its own residuals, so that errors and priors are in standard deviations.
+  // Refit with each output weighted by its own residuals, so that errors and priors are in standard deviations.
   std::vector<double> sigma = rms_of(problem.replay(best));
   for (std::size_t o = 0; o < sigma.size(); ++o) sigma[o] = std::max(sigma[o], 1e-3 * out.noise[o]);
   const LeastSquaresProblem last = problem.problem_from(best, sigma);
-  const long until = problem.steps + long(problem.work_of_start());
-  if (LeastSquaresSolution s = problem.solve(last, options.max_iterations, until, kFitted / double(best.residuals));
+  const long max_steps = problem.steps + long(problem.work_of_start());
+  if (LeastSquaresSolution s =
+          problem.solve(last, options.max_iterations, max_steps, kFitTolerance / double(best.residuals));
       s.usable && !options.monitor.stopped())
     best = std::move(s);
   best.converged = best.converged && !options.monitor.stopped();
   out.steps = problem.steps;
   if (!best.converged) out.message = options.monitor.stopped() ? "interrupted" : best.message;
-  report(best, problem, last, out);
+  set_results(best, problem, last, out);
   identify::warn_of_priors(options.terms, best, 1, out);
   if (!options.errors.empty() && out.converged) {
     for (identify::Considered& c : considered_of(drops, options, sigma, out)) out.considered.push_back(std::move(c));
-    identify::change_errors(eigen(out.noise_covariance), out.half_width, identify::Wording::Interval::kAbsolute, out);
+    identify::update_errors(eigen(out.noise_covariance), out.half_width, identify::Wording::Interval::kAbsolute, out);
   }
   out.drops = problem.replay(best);
   out.rms = rms_of(out.drops);
@@ -331,7 +332,7 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
   out.channels = drops.channels();
   out.noise = noise_of(drops);
   out.converged = true;
-  DropLayout layout;  // of one drop, whose own terms are then shared
+  DropLayout layout;  // of a single drop: its nuisance terms are the shared ones
   for (const std::string& name : options.terms.nuisance) layout.shared.push_back(&options.terms[name]);
   for (std::size_t m = 0; m < drops.drops(); ++m) {
     const DropProblem problem(drops, layout, options, {m});
@@ -356,8 +357,8 @@ FloorFit validate_floor(const DropSimulator& drops, const CalibrationOptions& op
   return out;
 }
 
-std::vector<Eigen::MatrixXd> informations(const DropSimulator& drops, const CalibrationOptions& options,
-                                          const std::vector<double>& sigma, const std::vector<Estimate>& own) {
+std::vector<Eigen::MatrixXd> drop_information(const DropSimulator& drops, const CalibrationOptions& options,
+                                              const std::vector<double>& sigma, const std::vector<Estimate>& nuisance) {
   const DropLayout layout(options.terms);
   std::vector<Eigen::MatrixXd> out;
   for (std::size_t m = 0; m < drops.drops(); ++m) {
@@ -366,11 +367,11 @@ std::vector<Eigen::MatrixXd> informations(const DropSimulator& drops, const Cali
     std::vector<double>& start = p.blocks[0].local_start;
     for (const DropTerm* t : layout.own) {
       start.push_back(t->absent);
-      for (const Estimate& e : own)
+      for (const Estimate& e : nuisance)
         if (e.trial == int(m) && e.name == t->name) start.back() = e.value;
     }
-    const LeastSquaresSolution here = identify::solve(p, {.max_iterations = 0});
-    out.push_back(here.usable ? here.information : Eigen::MatrixXd());
+    const LeastSquaresSolution s = identify::solve(p, {.max_iterations = 0});
+    out.push_back(s.usable ? s.information : Eigen::MatrixXd());
   }
   return out;
 }

@@ -14,17 +14,17 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Constants that may be off, and how a drop's own terms follow them.
-class PromiseOf {
+/// Propagates errors of the constants to predicted drops.
+class ErrorPropagation {
  public:
-  PromiseOf(const DropSimulator& drops, const CalibrationOptions& options, const FloorFit& predicted,
-            const Identified& known)
+  ErrorPropagation(const DropSimulator& drops, const CalibrationOptions& options, const FloorFit& predicted,
+                   const FitUncertainty& uncertainty)
       : drops_(drops), options_(options), predicted_(predicted), scatter_(predicted.noise) {
     const auto& table = *options.terms.table;
     for (std::size_t o = 0; o < scatter_.size(); ++o)
-      if (const auto left = known.rms.find(predicted.channels[o].name); left != known.rms.end())
-        scatter_[o] = std::fmax(scatter_[o], left->second);
-    const auto& [order, all] = known.constants;
+      if (const auto rms = uncertainty.rms.find(predicted.channels[o].name); rms != uncertainty.rms.end())
+        scatter_[o] = std::fmax(scatter_[o], rms->second);
+    const auto& [order, all] = uncertainty.constants;
     std::vector<int> kept;
     for (std::size_t k = 0; k < order.size(); ++k) {
       const auto term = std::find_if(table.begin(), table.end(), [&, k](auto& t) { return t.name == order[k]; });
@@ -34,28 +34,28 @@ class PromiseOf {
     for (const std::string& name : options.terms.nuisance) layout_.own.push_back(&options.terms[name]);
     const Eigen::MatrixXd covariance = eigen(all)(kept, kept);
     std_ = covariance.diagonal().cwiseSqrt();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(std_.cwiseInverse().asDiagonal() * covariance *
-                                                               std_.cwiseInverse().asDiagonal());
-    independent_ = parts.eigenvectors() * parts.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> correlation(std_.cwiseInverse().asDiagonal() * covariance *
+                                                                     std_.cwiseInverse().asDiagonal());
+    independent_ = correlation.eigenvectors() * correlation.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal();
   }
 
-  Promise of(std::size_t m) const {
-    Promise out;
+  PredictionBands bands_of(std::size_t m) const {
+    PredictionBands out;
     const DropProblem problem(drops_, layout_, options_, {m});
     const DropProblem::Start constants = problem.given();
     std::vector<double> own;
     for (const DropTerm* t : layout_.own) own.push_back(value_of(t->name, m));
-    constexpr auto kLeave = DropResiduals::Peaks::kLeave;
-    const DropResult here = problem.models[0].replay(constants.data(), own.data(), kLeave);
-    const std::optional<Eigen::MatrixXd> follows = own_by_constants(problem, constants, own);
-    if (!here.simulated || !follows) return out;
+    constexpr auto kSkip = DropResiduals::Peaks::kSkip;
+    const DropResult here = problem.residuals[0].replay(constants.data(), own.data(), kSkip);
+    const std::optional<Eigen::MatrixXd> own_slopes = own_by_constants(problem, constants, own);
+    if (!here.simulated || !own_slopes) return out;
     std::vector<DropResult> moved;
     for (long k = 0; k < std_.size(); ++k) {
-      DropProblem::Start beside = constants;
-      beside[std::size_t(k)] += kPart * std_[k];
-      std::vector<double> with = own;
-      for (std::size_t l = 0; l < with.size(); ++l) with[l] += (*follows)(long(l), k) * kPart * std_[k];
-      moved.push_back(problem.models[0].replay(beside.data(), with.data(), kLeave));
+      DropProblem::Start perturbed = constants;
+      perturbed[std::size_t(k)] += kStep * std_[k];
+      std::vector<double> nuisance = own;
+      for (std::size_t l = 0; l < nuisance.size(); ++l) nuisance[l] += (*own_slopes)(long(l), k) * kStep * std_[k];
+      moved.push_back(problem.residuals[0].replay(perturbed.data(), nuisance.data(), kSkip));
       if (!moved.back().simulated) return out;
     }
     out.band.resize(here.value.size());
@@ -77,14 +77,14 @@ class PromiseOf {
   }
 
  private:
-  static constexpr double kPart = 0.1;  ///< of a standard error
+  static constexpr double kStep = 0.1;  ///< of the differences, in standard errors
 
   double value_of(const std::string& name, std::size_t m) const {
     for (const identify::Estimate& e : predicted_.nuisance)
       if (e.trial == int(m) && e.name == name) return e.value;
     return options_.terms[name].absent;
   }
-  /// Derivatives of the drop's own terms, refitted, by the constants.
+  /// Derivatives of the drop's refitted nuisance terms by the constants.
   std::optional<Eigen::MatrixXd> own_by_constants(const DropProblem& problem, const DropProblem::Start& constants,
                                                   const std::vector<double>& own) const {
     const DropProblem::Problem p = problem.problem(constants, predicted_.noise, kWhole);
@@ -96,30 +96,30 @@ class PromiseOf {
     return Eigen::MatrixXd(
         -LeastNorm(jacobian.rightCols(long(own.size()))).solve(jacobian.leftCols(long(constants.size()))));
   }
-  /// How a value moves with independent errors of variance 1.
+  /// Derivatives of a value by independent errors of variance 1.
   template <class Value>
   Eigen::RowVectorXd by_errors(const DropResult& here, const std::vector<DropResult>& moved, Value&& value) const {
-    Eigen::RowVectorXd by(std_.size());
-    for (long k = 0; k < by.size(); ++k) by[k] = (value(moved[std::size_t(k)]) - value(here)) / kPart;
-    return by * independent_;
+    Eigen::RowVectorXd slope(std_.size());
+    for (long k = 0; k < slope.size(); ++k) slope[k] = (value(moved[std::size_t(k)]) - value(here)) / kStep;
+    return slope * independent_;
   }
 
   const DropSimulator& drops_;
   const CalibrationOptions& options_;
   const FloorFit& predicted_;
-  std::vector<double> scatter_;  ///< of each output
+  std::vector<double> scatter_;  ///< standard deviation of each output about its prediction
   DropLayout layout_;
   Eigen::VectorXd std_;
-  Eigen::MatrixXd independent_;  ///< times numbers of variance 1: correlated errors, in standard errors
+  Eigen::MatrixXd independent_;  ///< maps independent errors of variance 1 to the constants' errors over std_
 };
 
 }  // namespace
 
-std::vector<Promise> promises(const DropSimulator& drops, const CalibrationOptions& options, const FloorFit& predicted,
-                              const Identified& known) {
-  const PromiseOf promise(drops, options, predicted, known);
-  std::vector<Promise> out;
-  for (std::size_t m = 0; m < drops.drops(); ++m) out.push_back(promise.of(m));
+std::vector<PredictionBands> predict_bands(const DropSimulator& drops, const CalibrationOptions& options,
+                                           const FloorFit& predicted, const FitUncertainty& uncertainty) {
+  const ErrorPropagation propagation(drops, options, predicted, uncertainty);
+  std::vector<PredictionBands> out;
+  for (std::size_t m = 0; m < drops.drops(); ++m) out.push_back(propagation.bands_of(m));
   return out;
 }
 

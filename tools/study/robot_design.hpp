@@ -1,7 +1,7 @@
-// Which commands to log next of a robot of links: of candidates, those whose logs will tell most of the constants. The
-// information of each is that of the fit (floor_fit.hpp): Fisher's, of its rollout at the present constants, for the
-// noise of each channel, how the trial starts eliminated. Errors to come are those of white residuals: a model that
-// lacks something has larger ones.
+// Design of the next experiment on a robot of links: of candidate commands, those whose logs give the most information
+// on the constants. It is the Fisher information of the fit (floor_fit.hpp): of the rollout at the present constants,
+// for the noise of each channel, the trial's start eliminated. Predicted errors assume white residuals: an incomplete
+// model has larger ones.
 //
 // No printing, no files: tools/verbs/design_robot.cpp is the verb. Tests: test/legs/robot_design.cpp.
 #pragma once
@@ -17,59 +17,58 @@
 namespace ukemi::tools {
 
 struct RobotDesignOptions {
-  RobotFitOptions fit;  ///< terms: what is fitted, with starts as nuisance
+  RobotFitOptions fit;  ///< its terms: the constants, with the starts as nuisance terms
   identify::Criterion criterion = identify::Criterion::kWorst;
-  int trials = 2;  ///< that are chosen, at least 1
-  /// Standard deviations by channel of sensed_channels, as "torque_hip": those that are logged next, in place of what
-  /// the trials in hand say. One of each unit as theirs, "phi", "dphi", "torque", serves all joints.
+  int trials = 2;  ///< number of candidates to choose, at least 1
+  /// Standard deviations of the next logs by channel of sensed_channels, as "torque_hip"; they override those of the
+  /// trials in hand. "phi", "dphi", "torque" alone are for all joints.
   std::map<std::string, double> noise;
 };
 
-/// A candidate, beside what is in hand and the candidates that were chosen before it.
-struct NextTrial {
+/// A candidate, evaluated with the trials in hand and the candidates of lower rank.
+struct CandidateTrial {
   std::string file;
-  bool followed = false;       ///< false: the robot cannot be simulated so; nothing below holds
-  double alone = 0;            ///< the criterion with what is in hand and this one
-  Eigen::VectorXd half_width;  ///< of each constant then, 95 %, see RobotDesign
-  int rank = 0;                ///< 1: the best to log next; 0: not chosen
-  double together = 0;         ///< of a chosen one: the criterion with all those of lower rank
+  bool followed = false;       ///< false: it cannot be simulated; what follows is not valid
+  double alone = 0;            ///< the criterion with the trials in hand and this one
+  Eigen::VectorXd half_width;  ///< 95 %, of each constant in parts of RobotDesign::scale, then
+  int rank = 0;                ///< 1: the first to log; 0: not chosen
+  double together = 0;         ///< if chosen: the criterion with those of lower rank too
 };
 
 struct RobotDesign {
   identify::Criterion criterion = identify::Criterion::kWorst;
-  int in_hand = 0;  ///< trials
+  int in_hand = 0;  ///< number of trials
   std::vector<std::string> constants, units;
-  Eigen::VectorXd value;  ///< of the robot as it is given
-  /// What an error is told in parts of: the value, or the size that a constant which may be 0 is judged by.
-  Eigen::VectorXd part_of;
-  Eigen::VectorXd before, after;           ///< 95 % half-widths in these parts, infinite where not determined
+  Eigen::VectorXd value;  ///< of the constants of the given robot
+  /// Scale of each constant's errors: |value|, or a typical size of a constant that may be 0.
+  Eigen::VectorXd scale;
+  Eigen::VectorXd before, after;           ///< 95 % half-widths over `scale`, infinite where not determined
   double size_before = 0, size_after = 0;  ///< the criterion
-  std::vector<NextTrial> candidates;       ///< in the order that they were given
+  std::vector<CandidateTrial> candidates;  ///< in the given order
   std::vector<landing::DropChannel> channels;
-  std::vector<double> noise;  ///< of each channel that is logged; NaN: it is not
-  /// Where the trials in hand leave more than their noise: errors to come are larger than these then.
+  std::vector<double> noise;  ///< of each channel; NaN: not logged
+  /// Residuals of the trials in hand above their noise: errors will be larger than predicted.
   std::vector<std::string> doubts;
 };
 
-/// The terms of trials and candidates together, see robot_terms; of the candidates every channel that `noise` names is
-/// logged (RobotDesignOptions), and without trials in hand what the robot's fit logged.
+/// The terms of trials and candidates together, see robot_terms. The candidates log every channel that `noise` names
+/// (RobotDesignOptions) and, without trials in hand, those of the robot's fit.
 identify::Terms<DropTerm> design_terms(const DrivenRobot& robot, std::vector<RobotTrial> in_hand,
                                        const std::vector<RobotTrial>& candidates,
                                        const std::map<std::string, double>& noise);
 
-/// Each candidate from each height of its lowest contact over the floor [m], at rest, as its name says; without heights
-/// as they are. Throws InputError where one is below 0 or the base is pinned.
+/// Each candidate, started at rest from each height of its lowest contact over the floor [m], which its name then
+/// states; the candidates themselves without heights. Throws InputError where one is below 0 or the base is pinned.
 std::vector<RobotTrial> from_heights(const DrivenRobot& robot, const std::vector<RobotTrial>& candidates,
                                      const std::vector<double>& heights);
 
-/// A log that holds commands and what is measured before them as the trial that they will be: every channel with a
-/// noise has a place in every row, and it starts at rest where its first row says, an angle that is not measured at its
-/// command. Throws InputError where nothing says it.
+/// The trial that a log of commands will give: every channel with a noise has a value in every row. It starts at rest
+/// at the log's first measured values, or an angle at its first command. Throws InputError where neither is there.
 RobotTrial planned_trial(const DrivenRobot& robot, const RobotTrial& commands, const std::vector<double>& noise);
 
-/// Chooses among candidates one after the other, each that which makes the criterion smallest beside those before it. A
-/// faint prior, a standard deviation of a hundred parts, lets sets be compared that leave something open. Where
-/// trials in hand are none, what the robot's file knows counts (DrivenRobot::known), its noise too. Throws InputError.
+/// Chooses candidates greedily: each minimises the criterion together with those before it. A weak prior, of standard
+/// deviation 100 scales, makes sets comparable that leave a constant undetermined. Without trials in hand the
+/// uncertainty and noise of the robot's file count (DrivenRobot::known). Throws InputError.
 [[nodiscard]] RobotDesign design_trials(const DrivenRobot& robot, const std::vector<RobotTrial>& in_hand,
                                         const std::vector<RobotTrial>& candidates, const RobotDesignOptions& options);
 

@@ -1,4 +1,4 @@
-// Logs of driven robots, read.
+// Reading of logs of driven robots.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -20,8 +20,8 @@ using identify::ColumnMap, identify::Quantity;
 
 namespace {
 
-constexpr Quantity kToldQuantity[kTold] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
-                                           Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
+constexpr Quantity kCommandQuantity[kCommandColumns] = {Quantity::kAngle,   Quantity::kRate,    Quantity::kTorque,
+                                                        Quantity::kCommand, Quantity::kCommand, Quantity::kCommand};
 
 Quantity quantity_of(const std::string& unit) {
   static const std::map<std::string, Quantity> of = {{"m", Quantity::kLength},           {"rad", Quantity::kAngle},
@@ -34,11 +34,11 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
   std::vector<identify::Column> out = {{"t", Quantity::kTime}};
   for (const Joint& j : robot.joints) {
     if (j.kind == DriveKind::kLocked) continue;
-    for (int q = 0; q < (j.driven() ? kSensed : kTorque); ++q)
-      out.push_back(
-          {std::string(kSensedNames[std::size_t(q)]) + "_" + j.name, quantity_of(kSensedUnits[std::size_t(q)])});
-    for (int q = 0; j.driven() && q < kTold; ++q)
-      out.push_back({std::string(kToldNames[std::size_t(q)]) + "_" + j.name, kToldQuantity[q]});
+    for (int q = 0; q < (j.driven() ? kJointSignals : kTorque); ++q)
+      out.push_back({std::string(kJointSignalNames[std::size_t(q)]) + "_" + j.name,
+                     quantity_of(kJointSignalUnits[std::size_t(q)])});
+    for (int q = 0; j.driven() && q < kCommandColumns; ++q)
+      out.push_back({std::string(kCommandColumnNames[std::size_t(q)]) + "_" + j.name, kCommandQuantity[q]});
   }
   const std::vector<MeasuredColumn> measured = measured_columns(robot);
   for (std::size_t o = base_channel(robot); o < measured.size(); ++o)
@@ -47,25 +47,25 @@ std::vector<identify::Column> known_columns(const Robot& robot) {
   return out;
 }
 
-/// One log's columns in SI units.
+/// The columns of a log in SI units.
 class LogColumns {
  public:
   LogColumns(const std::string& path, const ColumnMap& map)
       : map_(map), table_(read_csv(path, [&](const std::string& name) { return map.wants(name); })) {}
 
   const CsvTable& table() const { return table_; }
-  /// Empty where the file has none.
-  std::vector<double> get(const std::string& name, int* at = nullptr) const {
+  /// Empty, and index -1, where the file has no such column.
+  std::vector<double> get(const std::string& name, int* index = nullptr) const {
     identify::Source source;
     const int c = map_.find(table_, name, source);
-    if (at) *at = c;
+    if (index) *index = c;
     if (c < 0) return {};
     std::vector<double> out = table_.columns[std::size_t(c)];
     for (double& x : out) x *= source.scale;
     return out;
   }
   std::vector<double> command(const std::string& name) const {
-    if (const auto held = map_.constant(table_, name)) return std::vector<double>(table_.rows(), *held);
+    if (const auto constant = map_.constant(table_, name)) return std::vector<double>(table_.rows(), *constant);
     int c = -1;
     std::vector<double> out = get(name, &c);
     if (c >= 0) table_.require_full(c);
@@ -103,12 +103,12 @@ class LogColumns {
   CsvTable table_;
 };
 
-/// Where a robot on a rail pushes off, hop by hop: see RobotLogOptions::Cuts. The middle is that of the extension but
-/// for its lowest and highest twentieth; a crossing counts once it was a tenth of the range below, and where the
-/// reported torques drive with half of the most power of any.
-std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t,
-                                const std::vector<std::vector<double>>& measured) {
-  constexpr double kWide = 0.1, kSpan = 0.02, kShare = 0.5;  // of the range; [s]; of the power
+/// Rows at which a robot on a rail pushes off, one for each hop, see RobotLogOptions::Cuts: the leg's extension rises
+/// through the middle of its range (5 % to 95 % quantile), after it was 10 % of the range below, and the reported
+/// torques work at least half as much as at the strongest push.
+std::vector<std::size_t> push_offs(const Robot& robot, const std::vector<double>& t,
+                                   const std::vector<std::vector<double>>& measured) {
+  constexpr double kHysteresis = 0.1, kSpan = 0.02, kMinWork = 0.5;  // of the range; [s]; of the largest work
   std::vector<std::vector<double>> phi(robot.joints.size());
   for (std::size_t i = 0; i < phi.size(); ++i)
     phi[i] = robot.joints[i].kind == DriveKind::kLocked ? std::vector<double>(t.size(), robot.joints[i].phi)
@@ -119,43 +119,43 @@ std::vector<std::size_t> pushes(const Robot& robot, const std::vector<double>& t
   std::sort(sorted.begin(), sorted.end());
   if (sorted.empty()) return {};
   const double low = sorted[sorted.size() / 20], high = sorted[sorted.size() - 1 - sorted.size() / 20];
-  const double middle = 0.5 * (low + high), armed_below = middle - kWide * (high - low);
-  const auto power = [&](std::size_t row) {
+  const double middle = 0.5 * (low + high), armed_below = middle - kHysteresis * (high - low);
+  const auto work_before = [&](std::size_t row) {
     double sum = 0;
     for (std::size_t k = row; k-- > 0 && t[row] - t[k] < kSpan;)
       for (std::size_t i = 0; i < phi.size(); ++i)
         if (const auto& torque = measured[joint_channel(i) + kTorque]; !torque.empty())
-          if (const double work = torque[k] * (phi[i][k + 1] - phi[i][k]); std::isfinite(work)) sum += work;
+          if (const double dw = torque[k] * (phi[i][k + 1] - phi[i][k]); std::isfinite(dw)) sum += dw;
     return sum;
   };
   std::vector<std::size_t> out;
-  std::vector<double> driving;
+  std::vector<double> work;
   bool armed = false;
   for (std::size_t i = 1; i < t.size(); ++i) {
     armed = armed || reach[i] < armed_below;
     if (!armed || !(reach[i] >= middle)) continue;
-    armed = false, out.push_back(i), driving.push_back(power(i));
+    armed = false, out.push_back(i), work.push_back(work_before(i));
   }
-  const double most = driving.empty() ? 0 : *std::max_element(driving.begin(), driving.end());
+  const double largest = work.empty() ? 0 : *std::max_element(work.begin(), work.end());
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < out.size(); ++k)
-    if (driving[k] >= kShare * most) kept.push_back(out[k]);
+    if (work[k] >= kMinWork * largest) kept.push_back(out[k]);
   return kept;
 }
 
-/// Every n-th cut; the last stays.
-std::vector<std::size_t> tied(const std::vector<std::size_t>& at, int n) {
+/// Every n-th cut, and the last.
+std::vector<std::size_t> tied(const std::vector<std::size_t>& cuts, int n) {
   std::vector<std::size_t> out;
-  for (std::size_t k = 0; k < at.size(); ++k)
-    if (k % std::size_t(n) == 0 || k + 1 == at.size()) out.push_back(at[k]);
+  for (std::size_t k = 0; k < cuts.size(); ++k)
+    if (k % std::size_t(n) == 0 || k + 1 == cuts.size()) out.push_back(cuts[k]);
   return out;
 }
 
-/// The first row of each piece, and behind the last.
-std::vector<std::size_t> cuts(const std::vector<double>& t, double length, const std::vector<double>& times) {
+/// The first row of each piece, and the end of the last one.
+std::vector<std::size_t> cut(const std::vector<double>& t, double length, const std::vector<double>& times) {
   if (!times.empty()) {
     std::vector<std::size_t> out;
-    for (const double at : times) out.push_back(std::size_t(std::lower_bound(t.begin(), t.end(), at) - t.begin()));
+    for (const double time : times) out.push_back(std::size_t(std::lower_bound(t.begin(), t.end(), time) - t.begin()));
     return out;
   }
   const double whole = t.back() - t.front();
@@ -181,9 +181,9 @@ std::vector<DropChannel> sensed_channels(const Robot& robot) {
 
 namespace {
 
-/// Where rows are missing: a command is held through a gap, and nothing is measured.
+/// Notes gaps of missing rows, over which commands are held and nothing is measured.
 void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
-  constexpr double kGap = 3;  // usual steps
+  constexpr double kGap = 3;  // median steps
   std::vector<double> steps;
   for (std::size_t i = 1; i < t.size(); ++i) steps.push_back(t[i] - t[i - 1]);
   const double usual = median(steps);
@@ -196,7 +196,7 @@ void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
                     gaps, gaps > 1 ? "s" : "", *widest, t[std::size_t(widest - steps.begin())], usual));
 }
 
-/// Places of links that trials of this robot do not read.
+/// Notes columns of link positions, which trials of this robot do not use.
 void note_unread_places(const CsvTable& table, const Robot& robot, std::vector<std::string>& notes) {
   const std::vector<identify::Column> known = known_columns(robot);
   for (const Link& l : robot.links)
@@ -209,14 +209,14 @@ void note_unread_places(const CsvTable& table, const Robot& robot, std::vector<s
     }
 }
 
-/// Columns that are named like forces and are none of a contact of the robot.
+/// Notes columns that are named like forces but not after a contact of the robot.
 void note_unread_forces(const CsvTable& table, const ColumnMap& map, std::vector<std::string>& notes) {
-  const auto told = [&](const std::string& name) {
+  const auto noted = [&](const std::string& name) {
     return std::any_of(notes.begin(), notes.end(),
                        [&](const std::string& note) { return note.find(quoted(name)) != std::string::npos; });
   };
   for (const std::string& name : table.header)
-    if ((name.starts_with("f_") || name.starts_with("force")) && !map.wants(name) && !told(name))
+    if ((name.starts_with("f_") || name.starts_with("force")) && !map.wants(name) && !noted(name))
       notes.push_back("column " + quoted(name) +
                       " is not read: the force on a contact is f_CONTACT_x, f_CONTACT_y, by the contact's name");
 }
@@ -224,8 +224,8 @@ void note_unread_forces(const CsvTable& table, const ColumnMap& map, std::vector
 }  // namespace
 
 std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
-  constexpr double kSmall = 0.2, kLarge = 1e3;  // of the weight, what the largest forces add up to
-  constexpr double kTurned = 0.05;              // of what it pulls, what a force pushes
+  constexpr double kSmall = 0.2, kLarge = 1e3;  // plausible range of the sum of the largest forces over the weight
+  constexpr double kTurned = 0.05;              // largest over -lowest force below which the sign looks wrong
   const Robot& body = robot.scene.robot;
   std::vector<std::string> out, upright;
   double total = 0;
@@ -234,18 +234,18 @@ std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vecto
     const std::string& name = channels[o].name;
     if (channels[o].unit != "N") continue;
     const Sensor sensor = robot.sensors.of(name);
-    std::map<std::string, double> size;  // of each log, the largest amount
-    double lowest = 0, largest = 0, whole = 0;
+    std::map<std::string, double> size;  // largest magnitude in each log
+    double lowest = 0, largest = 0, overall = 0;
     for (const RobotTrial& t : trials)
       for (const double x : t.log.output[o]) {
         if (!std::isfinite(x)) continue;
         double& of_log = size[t.run];
-        of_log = std::max(of_log, std::abs(x)), whole = std::max(whole, of_log);
+        of_log = std::max(of_log, std::abs(x)), overall = std::max(overall, of_log);
         lowest = std::min(lowest, sensor.actual(x)), largest = std::max(largest, sensor.actual(x));
       }
     for (const auto& [run, amount] : size)
-      if (amount == 0 && whole > 0) out.push_back(fmt::format("{}: column {}: 0 in every row", run, quoted(name)));
-    if (whole == 0 || !name.ends_with(kForceNames[1])) continue;
+      if (amount == 0 && overall > 0) out.push_back(fmt::format("{}: column {}: 0 in every row", run, quoted(name)));
+    if (overall == 0 || !name.ends_with(kForceNames[1])) continue;
     if (largest < kTurned * -lowest) {
       out.push_back(
           fmt::format("column {}: down to {:.3g} N and hardly above 0, where the floor pushes upwards: is its "
@@ -264,19 +264,19 @@ std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vecto
   return out;
 }
 
-std::vector<std::string> leave_out_still(const Robot& robot, std::vector<RobotTrial>& trials) {
+std::vector<std::string> remove_flat_columns(const Robot& robot, std::vector<RobotTrial>& trials) {
   std::vector<std::string> out;
   const std::vector<DropChannel> channels = sensed_channels(robot);
   for (std::size_t o = 0; o < channels.size(); ++o) {
     double first = std::numeric_limits<double>::quiet_NaN();
-    bool moves = channels[o].unit == "rad" || channels[o].unit == "m", there = false;
+    bool varies = channels[o].unit == "rad" || channels[o].unit == "m", there = false;
     for (const RobotTrial& t : trials)
       for (const double x : t.log.output[o]) {
         there = true;
         if (std::isnan(first)) first = x;
-        moves = moves || (std::isfinite(x) && x != first);
+        varies = varies || (std::isfinite(x) && x != first);
       }
-    if (moves || !there) continue;
+    if (varies || !there) continue;
     out.push_back(fmt::format("column {}: the same in every row, it is left out", quoted(channels[o].name)));
     for (RobotTrial& t : trials) t.log.output[o].clear();
   }
@@ -288,10 +288,10 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   const LogColumns log(path, map);
   auto commands = std::make_shared<Commands>();
   commands->t = log.time();
-  constexpr std::size_t kLeast = 8;
-  if (commands->t.size() < kLeast)
+  constexpr std::size_t kMinRows = 8;
+  if (commands->t.size() < kMinRows)
     throw InputError({path, log.table().line.back()},
-                     fmt::format("{} rows: at least {} are needed", commands->t.size(), kLeast));
+                     fmt::format("{} rows: at least {} are needed", commands->t.size(), kMinRows));
   commands->joint.resize(robot.joints.size());
   const std::vector<DropChannel> channels = sensed_channels(robot);
   std::vector<std::vector<double>> measured(channels.size());
@@ -302,8 +302,8 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
     measured[joint_channel(i) + kRate] = log.get("dphi_" + j.name);
     if (!j.driven()) continue;
     measured[joint_channel(i) + kTorque] = log.get("torque_" + j.name);
-    for (std::size_t q = 0; q < kTold; ++q)
-      commands->joint[i][q] = log.command(std::string(kToldNames[q]) + "_" + j.name);
+    for (std::size_t q = 0; q < kCommandColumns; ++q)
+      commands->joint[i][q] = log.command(std::string(kCommandColumnNames[q]) + "_" + j.name);
   }
   for (std::size_t o = base_channel(robot); o < channels.size(); ++o) measured[o] = log.get(channels[o].name);
   const std::vector<MeasuredColumn> pushed = push_columns(robot);
@@ -317,19 +317,19 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   const bool hops = options.cuts == RobotLogOptions::Cuts::kHops;
   if (hops && robot.base != Base::kRail)
     throw InputError("--pieces: auto: base = \"rail\" is needed: a log is cut where a robot on a rail pushes off");
-  const std::vector<std::size_t> at = tied(
-      hops ? pushes(robot, commands->t, measured) : cuts(commands->t, options.pieces, options.times), options.tied);
-  if (hops && at.size() < 2)
+  const std::vector<std::size_t> cuts = tied(
+      hops ? push_offs(robot, commands->t, measured) : cut(commands->t, options.pieces, options.times), options.tied);
+  if (hops && cuts.size() < 2)
     throw InputError(
-        {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", at.size()));
+        {path}, fmt::format("--pieces: auto: {} pushes: at least two are needed, a piece is between two", cuts.size()));
   std::vector<std::string> notes = near_misses(log.table(), map);
   note_gaps(commands->t, notes), note_unread_places(log.table(), robot, notes);
   note_unread_forces(log.table(), map, notes);
   std::vector<RobotTrial> out;
-  for (std::size_t p = 0; p + 1 < at.size(); ++p) {
-    const std::size_t from = at[p], to = at[p + 1];
-    if (to < from + kLeast)
-      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kLeast, path,
+  for (std::size_t p = 0; p + 1 < cuts.size(); ++p) {
+    const std::size_t from = cuts[p], to = cuts[p + 1];
+    if (to < from + kMinRows)
+      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kMinRows, path,
                                    commands->t[std::min(from, commands->t.size() - 1)]));
     RobotTrial trial{.log = {}, .origin = commands->t[from], .run = path, .commands = commands};
     trial.log.file = to - from == commands->t.size()

@@ -19,13 +19,13 @@ namespace {
 
 constexpr double kInfinity = Term::kInfinity;
 
-/// What is known of a kind of number; `size`: typical, where its value does not tell.
+/// Properties of a kind of number; `size`: typical magnitude, for values of 0; `judged`: see Term::judged_size.
 struct Kind {
   const char *key, *unit, *words;
   double lower, upper, size;
   double judged = 0;
 };
-/// Constants of a drive, by their keys in its file; what they are says identify's table.
+/// Constants of a drive by their keys in its file, defined in identify's table.
 constexpr const char* kGeared[] = {"i_motor",   "friction",       "viscous_friction", "friction_asymmetry",
                                    "breakaway", "stribeck_speed", "spring_loss"};
 constexpr const char *kProportional[] = {"k_p"}, *kDerivative[] = {"k_d"};
@@ -36,44 +36,44 @@ constexpr Kind kPassive[] = {{"stiffness", "Nm/rad", "stiffness of the joint", 0
                              {"damping", "Nm/(rad/s)", "damping of the joint", 0, kInfinity, 0.01},
                              {"friction", "Nm", "dry friction of the joint", 0, kInfinity, 0.1},
                              {"rest_deg", "deg", "where its spring rests", -180, 180, 5, 10}};
-constexpr Kind kBesideDrive[] = {
+constexpr Kind kParallelSpring[] = {
     {"parallel_stiffness", "Nm/rad", "stiffness of a spring beside the drive", 0, kInfinity, 0.1}};
-constexpr Kind kBesideRest[] = {{"parallel_rest_deg", "deg", "where that spring rests", -180, 180, 5, 10}};
+constexpr Kind kParallelRest[] = {{"parallel_rest_deg", "deg", "where that spring rests", -180, 180, 5, 10}};
 constexpr Kind kOfCommand[] = {
-    {"torque_gain", "1", "the motor's torque over what is asked", 1e-3, kInfinity, 1},
+    {"torque_gain", "1", "motor torque over commanded torque", 1e-3, kInfinity, 1},
     {"offset", "rad", "what the encoder reads beyond the angle", -kInfinity, kInfinity, 0.01, 0.1}};
 constexpr Kind kLevels[] = {{"torque_low", "Nm", "least torque that is asked", -kInfinity, 0, 1},
                             {"torque_high", "Nm", "largest torque that is asked", 0, kInfinity, 1}};
 
-/// Where a centre of mass is within its link: along it between its outermost places, across it up to a quarter of its
-/// length beside them: a link is at most half as wide as it is long. Pushes are places too; the point that counts is
-/// none where it is the centre of mass itself. A link without such places has no length that is known: within 1 m.
-struct Within {
+/// Bounds of a link's centre of mass: along the link between its outermost places, across it up to a quarter of its
+/// length beyond them, since a link is at most half as wide as long. Pushes are places too; the point that counts is
+/// not, where it is the centre of mass itself. Within 1 m for a link without such places, whose length is unknown.
+struct ComBounds {
   Place low, high;
   double length;
 };
-Within within(const Robot& robot, int link) {
-  constexpr double kShort = 0.02, kOfNoLength = 1, kWide = 0.25;  // [m]; of the length
+ComBounds com_bounds(const Robot& robot, int link) {
+  constexpr double kMinLength = 0.02, kDefault = 1, kMargin = 0.25;  // [m], [m], of the length
   const Place com = robot.links[std::size_t(link)].com;
   std::vector<Place> all = places(robot, link);
   if (robot.peak_link == link && robot.peak.along == com.along && robot.peak.across == com.across)
     std::erase_if(all, [&](const Place& p) { return p.along == com.along && p.across == com.across; });
   for (const PushPoint& p : robot.pushes)
     if (p.link == link) all.push_back(p.at);
-  Within out{{}, {}, 0};
+  ComBounds out{{}, {}, 0};
   for (const Place& p : all) {
     out.low = {std::min(out.low.along, p.along), std::min(out.low.across, p.across)};
     out.high = {std::max(out.high.along, p.along), std::max(out.high.across, p.across)};
   }
   out.length = std::hypot(out.high.along - out.low.along, out.high.across - out.low.across);
-  if (out.length <= kShort) return {{-kOfNoLength, -kOfNoLength}, {kOfNoLength, kOfNoLength}, kOfNoLength};
-  out.low.across -= kWide * out.length, out.high.across += kWide * out.length;
+  if (out.length <= kMinLength) return {{-kDefault, -kDefault}, {kDefault, kDefault}, kDefault};
+  out.low.across -= kMargin * out.length, out.high.across += kMargin * out.length;
   return out;
 }
 
-class TableOf {
+class TermTable {
  public:
-  explicit TableOf(const DrivenRobot& robot) : robot_(robot) {}
+  explicit TermTable(const DrivenRobot& robot) : robot_(robot) {}
 
   template <std::size_t N>
   void add(const std::string& prefix, const Kind (&kinds)[N]) {
@@ -108,8 +108,8 @@ class TableOf {
     const Robot& robot = robot_.scene.robot;
     const Link& link = robot.links[i];
     const std::string to = "robot.link." + link.name + ".";
-    const Within com = within(robot, int(i));
-    // Smallest parts keep what must be above 0 so; all the mass at both ends has the largest inertia.
+    const ComBounds com = com_bounds(robot, int(i));
+    // smallest_part keeps masses and inertias above 0.
     add(to, {"mass", "kg", "mass of the link", 0, kInfinity, link.mass});
     out.back().smallest_part = 1e-3;
     add(to, {"inertia_com", "kg m^2", "inertia of the link about its centre of mass", 0, kInfinity, link.inertia_com});
@@ -118,7 +118,7 @@ class TableOf {
     add(to, {"com.along", "m", "centre of mass along the link", com.low.along, com.high.along, size});
     add(to, {"com.across", "m", "centre of mass beside the link", com.low.across, com.high.across, size, size});
   }
-  /// Of each trial's start.
+  /// A nuisance term of each trial's start.
   void add_start(const std::string& key, const char* unit, const char* words, double size) {
     DropTerm t;
     t.name = "start." + key, t.unit = unit, t.words = words;
@@ -177,27 +177,26 @@ class TableOf {
   const DrivenRobot& robot_;
 };
 
-/// Whether any trial has it.
+/// Whether any trial has this command of a joint.
 bool has_column(const std::vector<RobotTrial>& trials, std::size_t joint, CommandColumn what) {
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.commands->joint[joint][what].empty(); });
 }
 
-/// Whether the place of a free base along the floor is measured: nothing else tells it.
-bool sees_place(const Robot& robot, const std::vector<RobotTrial>& trials) {
+/// Whether the position of a free base along the floor is measured; nothing else depends on it.
+bool measures_x(const Robot& robot, const std::vector<RobotTrial>& trials) {
   const std::size_t x = base_channel(robot) + kOriginX;
   return std::any_of(trials.begin(), trials.end(), [&](auto& t) { return !t.log.output[x].empty(); });
 }
 
-void add_sensors(TableOf& table, const Robot& robot, const std::vector<RobotTrial>& trials) {
-  // Of a bias, by its column's unit.
+void add_sensors(TermTable& table, const Robot& robot, const std::vector<RobotTrial>& trials) {
+  // Typical size of a bias, by its column's unit.
   static const std::map<std::string, double> sizes = {{"rad", 0.01}, {"rad/s", 0.1}, {"Nm", 0.1},
                                                       {"m", 0.01},   {"N", 1},       {"m/s^2", 0.1}};
   const auto add = [&](const MeasuredColumn& c) {
     const std::string to = "sensor." + c.name + ".";
     const double size = sizes.at(c.unit);
-    table.add(to, {"gain", "1", "what the log says over what is", 0.01, 100, 1});
-    table.add(to,
-              {"bias", c.unit.c_str(), "what the log says where nothing is", -kInfinity, kInfinity, size, 10 * size});
+    table.add(to, {"gain", "1", "reading over true value", 0.01, 100, 1});
+    table.add(to, {"bias", c.unit.c_str(), "reading at zero", -kInfinity, kInfinity, size, 10 * size});
   };
   const auto any = [&](auto&& has) { return std::any_of(trials.begin(), trials.end(), has); };
   const std::vector<MeasuredColumn> measured = measured_columns(robot), pushed = push_columns(robot);
@@ -206,34 +205,34 @@ void add_sensors(TableOf& table, const Robot& robot, const std::vector<RobotTria
   for (std::size_t c = 0; c < pushed.size(); ++c)
     if (any([&](const RobotTrial& t) { return !t.commands->push[c / 2][c % 2].empty(); })) add(pushed[c]);
   if (pushed.empty()) return;
-  table.add("sensor.", {"time_shift", "s", "by which the pushes came later than logged", -kMostTimeShift,
-                        kMostTimeShift, 1e-3, 1e-2});
+  table.add("sensor.", {"time_shift", "s", "by which the pushes came later than logged", -kMaxTimeShift, kMaxTimeShift,
+                        1e-3, 1e-2});
   table.add("sensor.", {"push_smooth", "1", "the pushes between their rows: 0 linear, 1 smooth", 0, 1, 1, 1});
 }
 
-void add_joint(TableOf& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {
+void add_joint(TermTable& table, const DrivenRobot& robot, std::size_t i, const std::vector<RobotTrial>& trials) {
   const Joint& j = robot.scene.robot.joints[i];
   const std::string drive = "drive." + j.name + ".", command = "command." + j.name + ".";
   if (j.kind == DriveKind::kPassive) table.add(drive, kPassive);
   if (j.driven()) {
-    const bool refers = has_column(trials, i, kPhiRef), fed_back = refers || has_column(trials, i, kDphiRef);
-    if (refers && !has_column(trials, i, kKp)) table.add(drive, kProportional);
+    const bool has_ref = has_column(trials, i, kPhiRef), fed_back = has_ref || has_column(trials, i, kDphiRef);
+    if (has_ref && !has_column(trials, i, kKp)) table.add(drive, kProportional);
     if (fed_back && !has_column(trials, i, kKd)) table.add(drive, kDerivative);
     table.add(drive, kGeared), table.add(command, kOfCommand);
     if (j.kind == DriveKind::kElastic) table.add(drive, kElastic);
     if (j.kind == DriveKind::kElastic && std::isfinite(j.sea.tau_max)) table.add(drive, kLimited);
-    if (j.kind == DriveKind::kElastic && fed_back && may_be_late(robot.scene.robot)) table.add(drive, kLate);
+    if (j.kind == DriveKind::kElastic && fed_back && fits_late_kernel(robot.scene.robot)) table.add(drive, kLate);
     if (std::isfinite(robot.path.joints[i].torque_high)) table.add(command, kLevels[1]);
     if (std::isfinite(robot.path.joints[i].torque_low)) table.add(command, kLevels[0]);
   }
-  table.add(drive, kBesideDrive);
-  if (j.parallel_stiffness > 0) table.add(drive, kBesideRest);
+  table.add(drive, kParallelSpring);
+  if (j.parallel_stiffness > 0) table.add(drive, kParallelRest);
 }
 
 }  // namespace
 
 identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
-  TableOf table(robot);
+  TermTable table(robot);
   const Robot& r = robot.scene.robot;
   for (std::size_t i = 0; i < r.joints.size(); ++i)
     if (r.joints[i].kind != DriveKind::kLocked) add_joint(table, robot, i, trials);
@@ -246,7 +245,7 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
     table.add("robot.rail.", {"load_friction", "", "dry friction of the rail over the force across it", 0, 1, 0.1});
   }
   table.add("robot.", {"gravity", "m/s^2", "gravity", 0, kInfinity, 9.81});
-  table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMostCommandDelay, 1e-3});
+  table.add("command.", {"delay", "s", "from a row to its command's effect", 0, kMaxCommandDelay, 1e-3});
   add_sensors(table, r, trials);
   identify::Terms<DropTerm> out;
   for (const Joint& j : r.joints)
@@ -254,19 +253,19 @@ identify::Terms<DropTerm> robot_terms(const DrivenRobot& robot, const std::vecto
   if (r.base != Base::kPinned) table.add_base_start();
   if (r.base == Base::kFree) table.add_free_start();
   for (const DropTerm& t : table.out)
-    if (!t.is_constant() && (t.name != "start.x" || sees_place(r, trials))) out.nuisance.push_back(t.name);
+    if (!t.is_constant() && (t.name != "start.x" || measures_x(r, trials))) out.nuisance.push_back(t.name);
   out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table.out));
   return out;
 }
 
-void give_each_run(const std::vector<std::string>& names, const std::vector<RobotTrial>& trials,
-                   RobotFitOptions& options) {
+void fit_per_run(const std::vector<std::string>& names, const std::vector<RobotTrial>& trials,
+                 RobotFitOptions& options) {
   const std::size_t runs = runs_of(trials).size();
   identify::Terms<DropTerm>& terms = options.terms;
-  const auto in_place = [runs](auto& list, const auto& is_it, const auto& of_run) {
+  const auto expand = [runs](auto& list, const auto& match, const auto& of_run) {
     std::remove_reference_t<decltype(list)> out;
     for (const auto& item : list)
-      for (std::size_t r = 0; r < (is_it(item) ? runs : 1); ++r) out.push_back(is_it(item) ? of_run(item, r) : item);
+      for (std::size_t r = 0; r < (match(item) ? runs : 1); ++r) out.push_back(match(item) ? of_run(item, r) : item);
     list = std::move(out);
   };
   for (const std::string& given : names) {
@@ -276,8 +275,8 @@ void give_each_run(const std::vector<std::string>& names, const std::vector<Robo
     const auto named = [&](std::size_t run) { return fmt::format("{}@{}", name, run + 1); };
     const auto is_name = [&](const std::string& other) { return other == name; };
     const auto name_of_run = [&](const std::string&, std::size_t run) { return named(run); };
-    in_place(terms.free, is_name, name_of_run), in_place(options.profiles, is_name, name_of_run);
-    in_place(
+    expand(terms.free, is_name, name_of_run), expand(options.profiles, is_name, name_of_run);
+    expand(
         terms.priors, [&](const identify::Prior& p) { return p.term == name; },
         [&](identify::Prior p, std::size_t run) { return p.term = named(run), p; });
     for (auto* bounds : {&terms.lower, &terms.upper})
@@ -285,7 +284,7 @@ void give_each_run(const std::vector<std::string>& names, const std::vector<Robo
         for (std::size_t r = 0; r < runs; ++r) (*bounds)[named(r)] = bound->second;
     terms.lower.erase(name), terms.upper.erase(name);
     std::vector<DropTerm> table = *terms.table;
-    in_place(
+    expand(
         table, [&](const DropTerm& t) { return t.name == name; },
         [&](DropTerm t, std::size_t run) { return t.name = named(run), t.alias = "", t.run = int(run), t; });
     terms.table = std::make_shared<const std::vector<DropTerm>>(std::move(table));

@@ -21,10 +21,10 @@ namespace {
 
 const std::string kCommand = "command.", kSensor = "sensor.", kStart = "start.";
 
-bool begins(const std::string& name, const std::string& with) { return name.rfind(with, 0) == 0; }
+bool has_prefix(const std::string& name, const std::string& prefix) { return name.rfind(prefix, 0) == 0; }
 
 /// The number of "start.JOINT.KEY", or "start.KEY" of the base.
-double& number_in(DrivenStart& start, const Robot& robot, const std::string& name) {
+double& start_number(DrivenStart& start, const Robot& robot, const std::string& name) {
   const std::size_t dot = name.rfind('.');
   if (dot < kStart.size()) {
     const std::map<std::string, double*> base = {{"height", &start.height}, {"speed", &start.speed},
@@ -39,13 +39,13 @@ double& number_in(DrivenStart& start, const Robot& robot, const std::string& nam
   throw InputError(name + ": no such start");
 }
 
-/// A value and its rate by a line through the first rows that are measured; 0 where none is. A measured rate counts.
+/// Initial value and rate: of a line fitted to the first measured rows, or the measured rate; 0 where none is.
 std::array<double, 2> start_of(const std::vector<double>& t, const std::vector<double>& x,
                                const std::vector<double>& rate = {}) {
   constexpr double kSpan = 0.01;  // [s]
-  constexpr long kLeast = 3;
+  constexpr long kMinRows = 3;
   double n = 0, st = 0, sx = 0, stt = 0, stx = 0;
-  for (std::size_t i = 0; i < x.size() && (t[i] <= kSpan || n < kLeast); ++i) {
+  for (std::size_t i = 0; i < x.size() && (t[i] <= kSpan || n < kMinRows); ++i) {
     if (!std::isfinite(x[i])) continue;
     n += 1, st += t[i], sx += x[i], stt += t[i] * t[i], stx += t[i] * x[i];
   }
@@ -73,31 +73,30 @@ DrivenStart start_of(const DropLog& log, const Robot& robot) {
   return out;
 }
 
-/// The start that the log's first rows say, by how its sensors read.
-DrivenStart read_by(const Sensors& sensors, const Robot& robot, const DropLog& log, DrivenStart s) {
+/// The start from the log's first rows, corrected for gain and bias of the sensors.
+DrivenStart corrected(const Sensors& sensors, const Robot& robot, const DropLog& log, DrivenStart s) {
   if (sensors.column.empty()) return s;
   const std::vector<MeasuredColumn> columns = measured_columns(robot);
-  const auto set = [&](std::size_t at, std::size_t rate_at, double& x, double& rate) {
-    const Sensor of = sensors.of(columns[at].name);
-    x = of.actual(x);
-    // A rate that is not measured is that of the line.
-    rate =
-        rate_at != at && !log.output[rate_at].empty() ? sensors.of(columns[rate_at].name).actual(rate) : rate / of.gain;
+  const auto correct = [&](std::size_t at, std::size_t rate_at, double& x, double& rate) {
+    const Sensor sensor = sensors.of(columns[at].name);
+    x = sensor.actual(x);
+    const bool rate_measured = rate_at != at && !log.output[rate_at].empty();  // else of the fitted line
+    rate = rate_measured ? sensors.of(columns[rate_at].name).actual(rate) : rate / sensor.gain;
   };
   for (std::size_t i = 0; i < s.joint.size(); ++i)
-    set(joint_channel(i) + kAngle, joint_channel(i) + kRate, s.joint[i].phi, s.joint[i].dphi);
+    correct(joint_channel(i) + kAngle, joint_channel(i) + kRate, s.joint[i].phi, s.joint[i].dphi);
   if (robot.base != Base::kFree) return s;
   const std::size_t base = base_channel(robot);
-  set(base + kOriginX, base + kOriginX, s.x, s.forward_speed);
-  set(base + kPitch, base + kPitchRate, s.pitch, s.pitch_rate);
-  if (s.y) set(base + kOriginY, base + kOriginY, (*s.y)[0], (*s.y)[1]);
+  correct(base + kOriginX, base + kOriginX, s.x, s.forward_speed);
+  correct(base + kPitch, base + kPitchRate, s.pitch, s.pitch_rate);
+  if (s.y) correct(base + kOriginY, base + kOriginY, (*s.y)[0], (*s.y)[1]);
   return s;
 }
 
-/// A number of what is not the scene's; null: it is the scene's. Throws InputError where there is none.
-double* number_beside(DrivenRobot& robot, const std::string& name) {
-  const bool command = begins(name, kCommand);
-  if (!command && !begins(name, kSensor)) return nullptr;
+/// A number of the command path or the sensors; null for a number of the scene. Throws InputError where there is none.
+double* command_or_sensor_number(DrivenRobot& robot, const std::string& name) {
+  const bool command = has_prefix(name, kCommand);
+  if (!command && !has_prefix(name, kSensor)) return nullptr;
   const Robot& of = robot.scene.robot;
   double* const out = command ? command_number(robot.path, of, name.substr(kCommand.size()))
                               : sensor_number(robot.sensors, of, name.substr(kSensor.size()));
@@ -105,57 +104,57 @@ double* number_beside(DrivenRobot& robot, const std::string& name) {
   return out;
 }
 
-/// Whether nothing but what is sampled depends on the sensor of a channel: no start is taken from it.
-bool only_reads(const Robot& robot, std::size_t channel) {
+/// Whether the sensor of a channel affects that channel's samples only, since no start is taken from it.
+bool affects_samples_only(const Robot& robot, std::size_t channel) {
   const std::size_t base = base_channel(robot);
-  return channel < base ? channel % kSensed == kTorque : channel >= acceleration_channel(robot);
+  return channel < base ? channel % kJointSignals == kTorque : channel >= acceleration_channel(robot);
 }
 
-/// Sum over the channels of the square of what is left, as far as was followed, in parts of what is measured.
+/// Sum over the channels of the residual sum of squares over that of the measured values about their mean.
 double misfit(const DropLog& log, const FollowedDrop& d) {
   double out = 0;
   for (std::size_t o = 0; o < log.output.size(); ++o) {
-    double left = 0, mean = 0, square = 0, n = 0;
+    double residual = 0, sum = 0, squares = 0, n = 0;
     for (std::size_t i = 0; i < std::min(log.output[o].size(), d.value[o].size()); ++i)
       if (const double x = log.output[o][i]; std::isfinite(x))
-        left += std::pow(d.value[o][i] - x, 2), mean += x, square += x * x, n += 1;
-    const double spread = n > 0 ? square - mean * mean / n : 0;
-    if (spread > 0) out += left / spread;
+        residual += std::pow(d.value[o][i] - x, 2), sum += x, squares += x * x, n += 1;
+    const double spread = n > 0 ? squares - sum * sum / n : 0;
+    if (spread > 0) out += residual / spread;
   }
   return out;
 }
 
-/// Delays and filters that its drives have.
-long lags(const Robot& robot) {
+/// Number of delays and filters of the drives.
+long lag_count(const Robot& robot) {
   long out = 0;
   for (const Joint& j : robot.joints)
     if (j.kind == DriveKind::kElastic) out += (j.sea.control_delay > 0) + (j.sea.velocity_filter > 0);
   return out;
 }
 
-/// `of` moved by what is between two others.
-FollowedDrop moved(FollowedDrop of, const FollowedDrop& from, const FollowedDrop& to) {
-  of.complete = from.complete && to.complete, of.steps = from.steps + to.steps;
-  for (std::size_t o = 0; of.complete && o < of.value.size(); ++o)
-    for (std::size_t i = 0; i < of.value[o].size(); ++i) of.value[o][i] += to.value[o][i] - from.value[o][i];
-  return of;
+/// `base` plus the difference `to` - `from`.
+FollowedDrop plus_difference(FollowedDrop base, const FollowedDrop& from, const FollowedDrop& to) {
+  base.complete = from.complete && to.complete, base.steps = from.steps + to.steps;
+  for (std::size_t o = 0; base.complete && o < base.value.size(); ++o)
+    for (std::size_t i = 0; i < base.value[o].size(); ++i) base.value[o][i] += to.value[o][i] - from.value[o][i];
+  return base;
 }
 
-/// Whether matter can have these numbers: no inertia beyond that of all the mass at both ends of a link.
-bool is_possible(const Robot& robot) {
-  constexpr double kShort = 0.02;
+/// Whether no inertia exceeds that of the whole mass at the ends of its link.
+bool is_physical(const Robot& robot) {
+  constexpr double kMinLength = 0.02;  // [m]
   for (std::size_t i = 0; i < robot.links.size(); ++i) {
     const Link& l = robot.links[i];
-    const double most = std::max(extent(robot, int(i)), std::hypot(l.com.along, l.com.across));
-    if (most > kShort && l.inertia_com > l.mass * most * most) return false;
+    const double reach = std::max(extent(robot, int(i)), std::hypot(l.com.along, l.com.across));
+    if (reach > kMinLength && l.inertia_com > l.mass * reach * reach) return false;
   }
   return true;
 }
 
-Identified read_identified(TomlSection& s, const DrivenRobot& robot) {
+FitUncertainty read_identified(TomlSection& s, const DrivenRobot& robot) {
   const std::vector<std::string> none, order = s.optional_texts("order").value_or(none),
                                        outputs = s.optional_texts("outputs").value_or(none);
-  Identified out{read_uncertainty(s, order, "the robot"), {}};
+  FitUncertainty out{read_uncertainty(s, order, "the robot"), {}};
   for (const std::string& name : order) try {
       (void)number_of(robot, name);
     } catch (const InputError& e) {
@@ -179,7 +178,7 @@ DrivenRobot read_driven_robot(const std::string& path, const Texts& texts) {
   DrivenRobot out{.scene = read_edited_robot(path, texts), .path = {}};
   TomlFile file = open_edited(out.scene.robot_file.empty() ? path : out.scene.robot_file, texts);
   out.path = read_command_path(file, out.scene.robot);
-  check_stiff_contacts(out.scene, path);
+  require_contact_stiffness(out.scene, path);
   if (out.scene.slope != 0)
     throw InputError(Location{path}, "slope_deg: trials are followed on a level floor: 0 is needed");
   try {
@@ -209,15 +208,15 @@ std::vector<std::string> runs_of(const std::vector<RobotTrial>& trials) {
 }
 
 double number_of(const DrivenRobot& robot, const std::string& name) {
-  DrivenRobot copy = robot;  // a sensor that is not told yet is put in
-  const double* const beside = number_beside(copy, name);
-  return beside ? *beside : design_number(robot.scene, name);
+  DrivenRobot copy = robot;  // the look-up adds a sensor that is not listed yet
+  const double* const number = command_or_sensor_number(copy, name);
+  return number ? *number : design_number(robot.scene, name);
 }
 
 void set_in(DrivenRobot& robot, const DropTerm& term, double value) {
   for (const std::string& name : term.moves)
-    if (double* const beside = number_beside(robot, name))
-      *beside = value;
+    if (double* const number = command_or_sensor_number(robot, name))
+      *number = value;
     else
       set_design_number(robot.scene, name, value);
 }
@@ -232,7 +231,7 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
   }
   for (const DropTerm& t : *options.terms.table)
     for (const std::string& name : t.moves)
-      if (!begins(name, kCommand) && !begins(name, kSensor) && !begins(name, kStart))
+      if (!has_prefix(name, kCommand) && !has_prefix(name, kSensor) && !has_prefix(name, kStart))
         setters_[name] = design_setter(robot.scene, name);
   for (std::size_t m = 0; m < trials.size() && robot.scene.robot.base != Base::kPinned; ++m)
     if (trials[m].height)
@@ -241,11 +240,11 @@ RobotTrials::RobotTrials(const DrivenRobot& robot, const std::vector<RobotTrial>
       guess_height(m);
 }
 
-/// Of a robot whose height is not logged: on the floor, or where that leaves far more, the height that fits best
-/// of some up to kHighest. A fall from there and its first contact are what tells it: the log's begin.
+/// Estimates the initial height of a trial that does not log it: the best fit to the begin of the log, which shows fall
+/// and first contact, of a grid up to kHighest; 0 unless another height is much better.
 void RobotTrials::guess_height(std::size_t m) {
   constexpr int kHeights = 40;
-  constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.75;  // [m]; of what is left on the floor
+  constexpr double kLowest = 0.005, kHighest = 3, kMuchBetter = 0.75;  // [m]; of the misfit at 0
   constexpr double kSpan = 1.5;                                        // [s]
   const std::vector<double>& t = trials_[m].log.t;
   const std::vector<double> first(t.begin(), std::upper_bound(t.begin(), t.end(), kSpan));
@@ -254,67 +253,67 @@ void RobotTrials::guess_height(std::size_t m) {
     const double height = k == 0 ? 0 : kLowest * std::pow(kHighest / kLowest, double(k - 1) / (kHeights - 1));
     start_[m].height = height;
     const FollowedDrop d = follow(m, {}, first, {});
-    const double off = d.complete ? misfit(trials_[m].log, d) : std::numeric_limits<double>::infinity();
-    if (off < least) least = off, best = height;
-    if (k == 0) least = kMuchBetter * off;
+    const double error = d.complete ? misfit(trials_[m].log, d) : std::numeric_limits<double>::infinity();
+    if (error < least) least = error, best = height;
+    if (k == 0) least = kMuchBetter * error;
   }
   start_[m].height = best;
 }
 
-std::vector<double> RobotTrials::parts() const {
+std::vector<double> RobotTrials::horizons() const {
   constexpr double kFirst = 0.2, kLongest = 5;  // [s]
-  // By how much a part is longer than the one before, and the whole than the last. A robot that touches meets one
-  // touchdown after the other.
+  // Ratio of successive parts, and least ratio of the whole to the last: smaller for a robot with contacts, which meets
+  // one touchdown after the other.
   const bool touches = !robot_.scene.robot.contacts.empty();
   const double grow = touches ? 1.25 : 2.3, least = touches ? 1.1 : 2;
   double longest = 0;
   for (const RobotTrial& t : trials_) longest = std::max(longest, t.log.t.back());
   std::vector<double> out;
-  for (double after = kFirst; least * after < longest && after < kLongest; after *= grow) out.push_back(after);
+  for (double part = kFirst; least * part < longest && part < kLongest; part *= grow) out.push_back(part);
   out.push_back(std::numeric_limits<double>::infinity());
   return out;
 }
 
 double RobotTrials::value(const DropTerm& constant) const { return number_of(robot_, constant.moves.front()); }
 
-std::optional<RobotTrials::Posed> RobotTrials::pose(std::size_t m, const Settings& settings) const {
-  Posed out{robot_, {}};
+std::optional<RobotTrials::Setup> RobotTrials::set_up(std::size_t m, const Settings& settings) const {
+  Setup out{robot_, {}};
   const auto for_each = [&](bool of_start, auto&& f) {
     for (const auto& [term, value] : settings)
-      for (const std::string& name : has(m, *term) ? term->moves : std::vector<std::string>{})
-        if (begins(name, kStart) == of_start) f(name, value);
+      for (const std::string& name : acts_on(m, *term) ? term->moves : std::vector<std::string>{})
+        if (has_prefix(name, kStart) == of_start) f(name, value);
   };
   for_each(false, [&](const std::string& name, double value) {
-    if (double* const beside = number_beside(out.robot, name))
-      *beside = value;
+    if (double* const number = command_or_sensor_number(out.robot, name))
+      *number = value;
     else
       setters_.at(name)(out.robot.scene, value);
   });
-  out.start = read_by(out.robot.sensors, robot_.scene.robot, trials_[m].log, start_[m]);
+  out.start = corrected(out.robot.sensors, robot_.scene.robot, trials_[m].log, start_[m]);
   for_each(true,
-           [&](const std::string& name, double value) { number_in(out.start, robot_.scene.robot, name) += value; });
+           [&](const std::string& name, double value) { start_number(out.start, robot_.scene.robot, name) += value; });
   try {
     out.robot.scene.robot.validate();
   } catch (const InputError&) {
     return std::nullopt;
   }
-  if (!is_possible(out.robot.scene.robot)) return std::nullopt;
+  if (!is_physical(out.robot.scene.robot)) return std::nullopt;
   return out;
 }
 
-FollowedDrop RobotTrials::roll(std::size_t m, const Posed& posed, const std::vector<double>& times,
-                               const DrivenOptions& asked) const {
+FollowedDrop RobotTrials::roll(std::size_t m, const Setup& setup, const std::vector<double>& times,
+                               const DrivenOptions& requested) const {
   FollowedDrop out;
-  const Robot& robot = posed.robot.scene.robot;
+  const Robot& robot = setup.robot.scene.robot;
   std::vector<double> clock = times;
   for (double& t : clock) t += trials_[m].origin;
   DrivenOptions options = options_.roll;
-  if (asked.step > 0) options.step = asked.step;
+  if (requested.step > 0) options.step = requested.step;
   const auto& measured = trials_[m].log.output;
   const auto loads = measured.begin() + long(acceleration_channel(robot));
-  options.loads = asked.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
-  options.sensors = &posed.robot.sensors;
-  DrivenRollout rolled = roll_driven(robot, posed.robot.path, *trials_[m].commands, posed.start, clock, options);
+  options.loads = requested.loads || std::any_of(loads, measured.end(), [](auto& x) { return !x.empty(); });
+  options.sensors = &setup.robot.sensors;
+  DrivenRollout rolled = roll_driven(robot, setup.robot.path, *trials_[m].commands, setup.start, clock, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.changes = std::move(rolled.changes);
   for (ContactChange& c : out.changes) c.t -= trials_[m].origin, out.jumps.push_back(c.t);
   for (auto& joint : rolled.joint)
@@ -342,52 +341,52 @@ std::optional<std::size_t> RobotTrials::channel(const std::string& name) const {
 }
 
 std::optional<std::size_t> RobotTrials::sensed_by(const DropTerm& term) const {
-  if (term.moves.size() != 1 || !begins(term.moves[0], kSensor)) return std::nullopt;
+  if (term.moves.size() != 1 || !has_prefix(term.moves[0], kSensor)) return std::nullopt;
   const std::string name = term.moves[0].substr(kSensor.size());
   return channel(name.substr(0, name.rfind('.')));
 }
 
 FollowedDrop RobotTrials::follow(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                  const SimulateOptions&) const {
-  const std::optional<Posed> posed = pose(m, settings);
-  return posed ? logged(roll(m, *posed, times), posed->robot.sensors) : FollowedDrop{};
+  const std::optional<Setup> setup = set_up(m, settings);
+  return setup ? logged(roll(m, *setup, times), setup->robot.sensors) : FollowedDrop{};
 }
 
-double RobotTrials::step_of(std::size_t m, const Posed& posed) const {
+double RobotTrials::step_of(std::size_t m, const Setup& setup) const {
   if (options_.roll.step > 0) return options_.roll.step;
-  return stable_step(posed.robot.scene.robot, posed.robot.path, *trials_[m].commands, posed.start);
+  return stable_step(setup.robot.scene.robot, setup.robot.path, *trials_[m].commands, setup.start);
 }
 
 bool RobotTrials::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                                 const SimulateOptions&, FollowedDrop& followed) const {
-  constexpr double kHardlyLate = 1e-12;  // [s]
-  constexpr double kOfContacts = 10;     // touchdowns make a rollout's smallest differences rough
-  const std::optional<Posed> here = pose(m, settings);
+  constexpr double kTinyDelay = 1e-12;   // [s]
+  constexpr double kContactFactor = 10;  // touchdowns make small differences of a rollout noisy
+  const std::optional<Setup> here = set_up(m, settings);
   if (!here) return false;
   const double step = step_of(m, *here);
-  const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kOfContacts);
-  return differentiate_by_differences(
+  const double difference = options_.difference * (here->robot.scene.robot.contacts.empty() ? 1 : kContactFactor);
+  return finite_difference_slopes(
       settings, difference, options_.threads,
-      [&](const Settings& beside, const DropTerm& term, double) {
-        if (!has(m, term)) return followed;
-        const std::optional<Posed> there = pose(m, beside);
+      [&](const Settings& perturbed, const DropTerm& term, double) {
+        if (!acts_on(m, term)) return followed;
+        const std::optional<Setup> there = set_up(m, perturbed);
         if (!there) return FollowedDrop{};
-        if (const auto c = sensed_by(term); c && only_reads(robot_.scene.robot, *c)) {
+        if (const auto c = sensed_by(term); c && affects_samples_only(robot_.scene.robot, *c)) {
           FollowedDrop out = followed;
           const std::string& name = channels_[*c].name;
           const Sensor before = here->robot.sensors.of(name), after = there->robot.sensors.of(name);
           for (double& x : out.value[*c]) x = after.logged(before.actual(x));
           return out;
         }
-        const auto followed_by = [&](const Posed& posed, double its) {
-          return logged(roll(m, posed, times, {.step = its}), posed.robot.sensors);
+        const auto rolled = [&](const Setup& setup, double h) {
+          return logged(roll(m, setup, times, {.step = h}), setup.robot.sensors);
         };
-        if (lags(there->robot.scene.robot) == lags(here->robot.scene.robot)) return followed_by(*there, step);
-        Settings hardly_late = beside;  // with states and steps of its own, whose own difference counts
-        for (Setting& s : hardly_late)
-          if (s.term == &term) s.value = kHardlyLate;
-        const double its = step_of(m, *there);
-        return moved(followed, followed_by(*pose(m, hardly_late), its), followed_by(*there, its));
+        if (lag_count(there->robot.scene.robot) == lag_count(here->robot.scene.robot)) return rolled(*there, step);
+        Settings slightly_late = perturbed;  // a delay adds states: its difference is between delayed rollouts
+        for (Setting& s : slightly_late)
+          if (s.term == &term) s.value = kTinyDelay;
+        const double delayed_step = step_of(m, *there);
+        return plus_difference(followed, rolled(*set_up(m, slightly_late), delayed_step), rolled(*there, delayed_step));
       },
       followed);
 }
@@ -396,8 +395,8 @@ double RobotTrials::peak(std::size_t m, const Settings& settings, double until, 
   constexpr double kSample = 2e-4;  // [s]
   std::vector<double> times;
   for (long k = 0; double(k) * kSample <= until; ++k) times.push_back(double(k) * kSample);
-  const std::optional<Posed> posed = pose(m, settings);
-  const FollowedDrop d = posed ? roll(m, *posed, times, {.loads = true}) : FollowedDrop{};
+  const std::optional<Setup> setup = set_up(m, settings);
+  const FollowedDrop d = setup ? roll(m, *setup, times, {.loads = true}) : FollowedDrop{};
   if (!d.complete) return std::numeric_limits<double>::quiet_NaN();
   const std::vector<double>& norm = d.value[acceleration_channel(robot_.scene.robot)];
   return *std::max_element(norm.begin(), norm.end());

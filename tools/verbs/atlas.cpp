@@ -46,7 +46,7 @@ struct AtlasArguments {
   ScatterArguments scatter;
   std::optional<long> samples;
   std::vector<std::string> forbid;
-  bool ratings = false;  ///< are respected
+  bool ratings = false;  ///< --respect-ratings
   bool limited() const { return !forbid.empty() || ratings; }
 };
 
@@ -56,18 +56,18 @@ AtlasAxis axis_of(const std::string& option, const std::string& text, double uni
   return {r.lower / unit, r.upper / unit, std::uint64_t(r.count)};
 }
 
-/// What an atlas is of.
+/// The robot, scene and goal of an atlas.
 struct Subject {
   std::unique_ptr<AtlasRobot> robot;
-  std::string name, scene_toml, actuator_toml;  ///< as AtlasResult has them
+  std::string name, scene_toml, actuator_toml;  ///< see AtlasResult
   RobustOptions robust;
-  std::array<bool, AtlasGrid::kAxes> axes{true, true, true};  ///< that its base has
-  Drop drop;                                                  ///< of the scene, where the others stand
-  std::string unit = "m/s^2";                                 ///< of what is made small
+  std::array<bool, AtlasGrid::kAxes> axes{true, true, true};  ///< those that its base has
+  Drop drop;                                                  ///< of the scene; value of the other axes
+  std::string unit = "m/s^2";                                 ///< of what is minimised
 };
 
-/// The measure and its samples, where they are asked for, `samples` where nobody says how many.
-RobustOptions robust_of(const AtlasArguments& a, long samples) {
+/// The options of --robust.
+RobustOptions robust_of(const AtlasArguments& a, long default_samples) {
   if (!a.scatter.drops.empty())
     throw InputError("--drops: the drops of an atlas are those of its grid: --scatter says how they scatter");
   if (!a.robust) {
@@ -75,11 +75,11 @@ RobustOptions robust_of(const AtlasArguments& a, long samples) {
                         : a.scatter.scatter ? "--scatter"
                         : a.scatter.inflate ? "--inflate"
                                             : nullptr;
-    if (given) throw InputError(fmt::format("{}: without --robust it has no say", given));
+    if (given) throw InputError(fmt::format("{}: without --robust it has no effect", given));
     return {};
   }
   RobustOptions out{.measure = Measure::parse("--robust", *a.robust)};
-  out.samples = a.samples.value_or(samples);
+  out.samples = a.samples.value_or(default_samples);
   if (!(out.samples >= 16 && out.samples <= 4096))
     throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", out.samples));
   return out;
@@ -100,7 +100,7 @@ Subject two_link_of(const AtlasArguments& a, Run& run) {
   return out;
 }
 
-/// What no landing may do, as loads, which the scene beside the atlas says.
+/// Adds the limits of --forbid and --respect-ratings to the scene, as loads, which are saved with the atlas.
 void keep_limits(BodyScene& scene, const AtlasArguments& a, Run& run) {
   const std::vector<Load> before = scene.loads;
   forbid(scene, a.forbid, "--forbid");
@@ -129,7 +129,7 @@ Subject body_subject(const AtlasArguments& a, Run& run) {
     out.scene_toml = scene_files(a.scene, scene, "", run.folder(), drives_of(a.actuators)).at("scene.toml");
   if (!out.robust.measure) return out;
   out.robust.scatter = scatter_of(a.scatter), out.robust.inflate = inflate_of(a.scatter, scene, run);
-  (void)BodyDropModel(scene, scatter_for(out.robust.scatter, scene));  // refuses what this base has not
+  (void)BodyDropModel(scene, scatter_for(out.robust.scatter, scene));  // throws for unsupported scatter
   return out;
 }
 
@@ -138,10 +138,10 @@ Subject subject_of(const AtlasArguments& a, Run& run) {
   return is_of_links(a.scene) || a.limited() ? body_subject(a, run) : two_link_of(a, run);
 }
 
-/// What the options say; an axis that the base has not stands where the scene does.
+/// The grid of the options; an axis that the base does not have has the scene's value only.
 AtlasGrid grid_of(const AtlasArguments& a, const Subject& subject) {
-  const auto axis = [&](std::size_t k, const char* option, const std::string& text, double unit, double own) {
-    return text.empty() && !subject.axes[k] ? AtlasAxis{own, own, 1} : axis_of(option, text, unit);
+  const auto axis = [&](std::size_t k, const char* option, const std::string& text, double unit, double fixed) {
+    return text.empty() && !subject.axes[k] ? AtlasAxis{fixed, fixed, 1} : axis_of(option, text, unit);
   };
   const Drop& d = subject.drop;
   return {{axis(0, "--height", a.height, 1, d.height), axis(1, "--speed", a.speed, 1, d.forward_speed),
@@ -162,15 +162,15 @@ AtlasOptions options_of(const AtlasArguments& a, const CommonOptions& common, co
   return out;
 }
 
-/// What the folder has of this atlas already: a finished one, of which only the shard's drops are kept.
-void take_finished(const std::string& path, const std::string& identity, const std::vector<std::size_t>& drops,
-                   std::vector<AtlasCell>& cells) {
+/// Copies the shard's drops from a finished atlas with this identity in the folder, if any.
+void restore_finished(const std::string& path, const std::string& identity, const std::vector<std::size_t>& drops,
+                      std::vector<AtlasCell>& cells) {
   std::error_code ec;
   if (!std::filesystem::exists(path, ec)) return;
   try {
-    const MappedAtlas there(path);
-    if (std::string_view(there.header().identity, sizeof there.header().identity) != identity) return;
-    for (const std::size_t i : drops) cells[i] = there.cells()[i];
+    const MappedAtlas old(path);
+    if (std::string_view(old.header().identity, sizeof old.header().identity) != identity) return;
+    for (const std::size_t i : drops) cells[i] = old.cells()[i];
   } catch (const InputError&) {  // a file that is not an atlas is replaced like every earlier result
   }
 }
@@ -204,7 +204,7 @@ int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   r.atlas.header = atlas_header(robot, options);
   r.atlas.cells.resize(options.grid.size());
   const std::string identity = atlas_identity(robot, options), folder = run.options().folder;
-  take_finished(in(folder, kBinary), identity, r.drops, r.atlas.cells);
+  restore_finished(in(folder, kBinary), identity, r.drops, r.atlas.cells);
   AtlasJournal journal(in(folder, kJournal), identity, r.atlas.cells);
   r.resumed = r.atlas.planned() + r.atlas.none();
   run.info(fmt::format("planning {} drops of {} in {} blocks, {} of them planned before", r.drops.size(),
@@ -217,8 +217,8 @@ int run_plan(const AtlasArguments& a, const CommonOptions& common) {
   return report(r, run);
 }
 
-/// Takes the drops of a part. Throws InputError where another part has different motions for them.
-void take_part(const Atlas& part, const std::string& path, Atlas& whole) {
+/// Copies the planned drops of a part. Throws InputError where another part has different motions for them.
+void merge_part(const Atlas& part, const std::string& path, Atlas& whole) {
   if (std::memcmp(part.header.identity, whole.header.identity, sizeof part.header.identity) != 0)
     throw InputError({path}, "a part of another atlas: scene, actuator, grid, goal, effort or seed differ");
   for (std::size_t i = 0; i < whole.cells.size(); ++i) {
@@ -230,8 +230,8 @@ void take_part(const Atlas& part, const std::string& path, Atlas& whole) {
   }
 }
 
-/// The robot of the files beside an atlas.
-Subject subject_beside(const std::string& folder, const AtlasHeader& header, Run& run) {
+/// The subject of the files in the folder of an atlas.
+Subject subject_in(const std::string& folder, const AtlasHeader& header, Run& run) {
   AtlasArguments files;
   files.scene = in(folder, "scene.toml");
   run.input(files.scene);
@@ -261,7 +261,7 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
                                      {"--height", a.height},
                                      {"--speed", a.speed},
                                      {"--pitch-deg", a.pitch}})
-    if (!text.empty()) throw InputError(std::string("--merge: ") + option + " has no say: the parts say it");
+    if (!text.empty()) throw InputError(std::string("--merge: ") + option + " has no effect: the parts decide it");
   Atlas whole;
   for (const std::string& folder : a.merge) {
     const std::string path = in(folder, kBinary);
@@ -271,12 +271,12 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
     if (whole.cells.empty())
       whole = std::move(part);
     else
-      take_part(part, path, whole);
+      merge_part(part, path, whole);
   }
   if (const std::size_t open = whole.open(); open > 0)
     throw InputError(fmt::format("--merge: {} of {} drops are in none of the folders: a shard is missing", open,
                                  whole.cells.size()));
-  const Subject subject = subject_beside(a.merge[0], whole.header, run);
+  const Subject subject = subject_in(a.merge[0], whole.header, run);
   AtlasResult r = result_of(subject);
   r.atlas = std::move(whole);
   r.drops = all_drops(r.atlas.header.grid);
@@ -285,9 +285,9 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   return report(r, run);
 }
 
-/// The one value of --height, --speed or --pitch-deg of a drop that is asked for.
-double asked_of(const char* option, const std::string& text, double unit, double otherwise) {
-  const double value = text.empty() ? otherwise : to_number(option, text) / unit;
+/// The value of --height, --speed or --pitch-deg with --ask.
+double single_value(const char* option, const std::string& text, double unit, double fallback) {
+  const double value = text.empty() ? fallback : to_number(option, text) / unit;
   if (!std::isfinite(value)) throw InputError(std::string(option) + ": a finite number is needed");
   return value;
 }
@@ -296,15 +296,16 @@ int run_ask(const AtlasArguments& a, const CommonOptions& common) {
   if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations ||
       a.limited())
     throw InputError(
-        "--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations, --forbid, --respect-ratings have no say: "
+        "--ask: SCENE, --actuator, --merge, --shard, --robust, --evaluations, --forbid, --respect-ratings have no "
+        "effect: "
         "the atlas has");
   Run run(kAtlasOutputs, common);
   return ask_atlas(
       a.ask, a.goal,
-      [&](const Drop& own) {
-        return Drop{.height = asked_of("--height", a.height, 1, own.height),
-                    .forward_speed = asked_of("--speed", a.speed, 1, own.forward_speed),
-                    .pitch = asked_of("--pitch-deg", a.pitch, kDegrees, own.pitch)};
+      [&](const Drop& scene) {
+        return Drop{.height = single_value("--height", a.height, 1, scene.height),
+                    .forward_speed = single_value("--speed", a.speed, 1, scene.forward_speed),
+                    .pitch = single_value("--pitch-deg", a.pitch, kDegrees, scene.pitch)};
       },
       run);
 }
@@ -316,7 +317,7 @@ int run_atlas(const AtlasArguments& a, const CommonOptions& common) {
 
 void add_atlas(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<AtlasArguments>();
-  verb->add_option("SCENE", args->scene, "scene file (TOML); its drop has no say");
+  verb->add_option("SCENE", args->scene, "scene file (TOML); its drop has no effect");
   add_actuators(*verb, args->actuators);
   verb->add_option("--height", args->height, "LO:HI:N, heights of the drops [m]");
   verb->add_option("--speed", args->speed, "LO:HI:N, forward speeds [m/s]; not of a robot on a rail");

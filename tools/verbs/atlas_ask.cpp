@@ -17,33 +17,33 @@ using namespace landing;
 
 namespace {
 
-constexpr double kPatience = 600;  // nobody falls [s]
+constexpr double kDeadline = 600;  // long: no robot is falling [s]
 constexpr double kAccuracy = 1e-7;
 
-struct Asked {
+struct AtlasQuery {
   std::string atlas, scene, actuator;
   Goal goal;
   const std::function<Drop(const Drop&)>& drop;
 };
 
 template <class Entry>
-AskedAtlas found_of(const std::string& name, const Drop& drop, const Entry& entry, const Asked& a) {
-  AskedAtlas out{.scene = name, .drop = drop, .inside = entry.inside, .found = entry.found, .holds = entry.holds};
-  out.goal = a.goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
-  if (entry.found && !entry.holds) out.planned = MappedAtlas(a.atlas).header().grid.drop(entry.drop);
+AtlasLookup lookup_of(const std::string& name, const Drop& drop, const Entry& entry, const AtlasQuery& q) {
+  AtlasLookup out{.scene = name, .drop = drop, .inside = entry.inside, .found = entry.found, .holds = entry.holds};
+  out.goal = q.goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
+  if (entry.found && !entry.holds) out.planned = MappedAtlas(q.atlas).header().grid.drop(entry.drop);
   return out;
 }
 
-int ask_body(const Asked& a, Run& run) {
-  BodyScene scene = body_of(a.scene, {}, run);
-  BodyAtlasReader reader(a.atlas, scene, {.goal = a.goal, .accuracy = kAccuracy, .deadline = kPatience});
-  const Drop drop = a.drop(scene.drop);
-  const auto stands = [](double x) { return AtlasAxis{x, x, 1}; };
-  BodyAtlas(scene).validate({{stands(drop.height), stands(drop.forward_speed), stands(drop.pitch)}});
+int ask_body(const AtlasQuery& q, Run& run) {
+  BodyScene scene = body_of(q.scene, {}, run);
+  BodyAtlasReader reader(q.atlas, scene, {.goal = q.goal, .accuracy = kAccuracy, .deadline = kDeadline});
+  const Drop drop = q.drop(scene.drop);
+  const auto single = [](double x) { return AtlasAxis{x, x, 1}; };
+  BodyAtlas(scene).validate({{single(drop.height), single(drop.forward_speed), single(drop.pitch)}});
   scene.drop = drop;
   const BodyAtlasEntry entry = reader.at(scene.drop);
   if (!entry.wrong.empty()) throw InputError("--ask: " + entry.wrong);
-  AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
+  AtlasLookup out = lookup_of(scene.name, scene.drop, entry, q);
   out.unit = unit_of(scene);
   if (!entry.found) return report(out, run);
   out.peak = simulate(scene, entry.motion).peak, out.held = simulate(scene, held_posture(scene)).peak;
@@ -53,15 +53,15 @@ int ask_body(const Asked& a, Run& run) {
   return report(out, run);
 }
 
-int ask_two_link(const Asked& a, Run& run) {
-  run.input(a.actuator);
-  Scene scene = scene_of(a.scene, run);
-  const SeaParameters<double> sea = read_actuator(a.actuator).sea;
-  AtlasReader reader(a.atlas, scene, sea, {.goal = a.goal, .accuracy = kAccuracy, .deadline = kPatience});
-  scene.drop = a.drop(scene.drop);
+int ask_two_link(const AtlasQuery& q, Run& run) {
+  run.input(q.actuator);
+  Scene scene = scene_of(q.scene, run);
+  const SeaParameters<double> sea = read_actuator(q.actuator).sea;
+  AtlasReader reader(q.atlas, scene, sea, {.goal = q.goal, .accuracy = kAccuracy, .deadline = kDeadline});
+  scene.drop = q.drop(scene.drop);
   scene.validate();
   const AtlasEntry entry = reader.at(scene.drop);
-  AskedAtlas out = found_of(scene.name, scene.drop, entry, a);
+  AtlasLookup out = lookup_of(scene.name, scene.drop, entry, q);
   if (!entry.found) return report(out, run);
   out.peak = simulate(scene, entry.sea, entry.motion).peak;
   out.held = entry.holds ? out.peak : simulate(scene, sea, kHeld).peak;
@@ -72,10 +72,10 @@ int ask_two_link(const Asked& a, Run& run) {
 
 }  // namespace
 
-int ask_atlas(const std::string& folder, Goal goal, const std::function<Drop(const Drop& own)>& drop, Run& run) {
-  const Asked asked{in(folder, "atlas.bin"), in(folder, "scene.toml"), in(folder, "actuator.toml"), goal, drop};
-  run.input(asked.atlas);
-  return is_of_links(asked.scene) ? ask_body(asked, run) : ask_two_link(asked, run);
+int ask_atlas(const std::string& folder, Goal goal, const std::function<Drop(const Drop& scene)>& drop, Run& run) {
+  const AtlasQuery query{in(folder, "atlas.bin"), in(folder, "scene.toml"), in(folder, "actuator.toml"), goal, drop};
+  run.input(query.atlas);
+  return is_of_links(query.scene) ? ask_body(query, run) : ask_two_link(query, run);
 }
 
 }  // namespace ukemi::tools

@@ -9,9 +9,9 @@
 
 namespace ukemi::tools {
 
-/// What the atlas of a folder has for the drop that `drop` makes of its scene's, by the scene that lies beside it.
-/// Throws InputError as the readers, and for a drop that cannot be.
+/// Reports the atlas's motion for a drop; `drop` maps the drop of the scene in the same folder to the requested one.
+/// Returns the exit code. Throws InputError as the readers do, and for an invalid drop.
 int ask_atlas(const std::string& folder, landing::Goal goal,
-              const std::function<landing::Drop(const landing::Drop& own)>& drop, Run& run);
+              const std::function<landing::Drop(const landing::Drop& scene)>& drop, Run& run);
 
 }  // namespace ukemi::tools

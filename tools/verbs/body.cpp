@@ -35,8 +35,8 @@ using namespace landing;
 
 namespace {
 
-constexpr const char* kCan =
-    "of a robot of links it is not there yet; what is: simulate, optimize, risk, compare, map, calibrate, atlas, "
+constexpr const char* kSupported =
+    "it does not take robots of links; what takes them: simulate, optimize, risk, compare, map, calibrate, atlas, "
     "trade, robot";
 
 }  // namespace
@@ -58,15 +58,15 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
 
 namespace {
 
-/// The files that a scene names are inputs of the run; warns of drives that their fits did not trust.
+/// Makes the files of a scene inputs of the run; warns of constants of drives that their fits did not trust.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
   if (!scene.robot_file.empty()) run.input(scene.robot_file);
   for (const std::string& drive : scene.drive_files) (void)actuator_of(drive, run);
 }
 
-/// Every driven joint held as the scene says, or as NAME=DEG,... does, which is then not moved in the air; of one
-/// driven joint also DEG.
+/// The motion that holds every driven joint: as in the scene, or at NAME=DEG,... without a move in the air; with a
+/// single driven joint DEG alone is allowed.
 BodyMotion posture(const BodyScene& scene, const std::string& text, Run& run) {
   BodyMotion out = held_posture(scene);
   std::vector<std::string> names;
@@ -102,7 +102,7 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
 }  // namespace
 
 void refuse(bool given, const char* option) {
-  if (given) throw InputError(fmt::format("{}: {}", option, kCan));
+  if (given) throw InputError(fmt::format("{}: {}", option, kSupported));
 }
 
 std::optional<double> checked_height(const std::optional<double>& height) {
@@ -167,23 +167,23 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
 
 namespace {
 
-/// --release-phi, -rate and -from, instead of what the scene's [release] says; of several driven joints -from alone.
+/// Applies --release-phi, -rate and -from to the scene's [release]; with several driven joints only -from.
 void apply_release(const FreedomArguments& a, BodyScene& scene) {
-  const std::optional<std::size_t> only = only_driven(scene.robot);
+  const std::optional<std::size_t> only = sole_driven_joint(scene.robot);
   if (!only && (a.release_phi || a.release_rate))
     throw InputError("--release-phi, --release-rate: of several driven joints the scene's [release.JOINT] says it");
   if (!only && a.from && !scene.release)
     throw InputError("--release-from: the scene has no [release] with a table for each driven joint");
-  std::optional<Release> was;
+  std::optional<Release> before;
   if (scene.release) {
     const BodyRelease::Joint joint = only ? scene.release->joints[*only] : BodyRelease::Joint{};
-    was = Release{joint.phi, joint.rate, scene.release->from};
+    before = Release{joint.phi, joint.rate, scene.release->from};
   }
-  const std::optional<Release> is = release_of(a, was);
-  if (!is) return;
+  const std::optional<Release> after = release_of(a, before);
+  if (!after) return;
   if (!scene.release) scene.release = BodyRelease{.joints = std::vector<BodyRelease::Joint>(scene.robot.joints.size())};
-  scene.release->from = is->from;
-  if (only) scene.release->joints[*only] = {is->phi, is->rate};
+  scene.release->from = after->from;
+  if (only) scene.release->joints[*only] = {after->phi, after->rate};
 }
 
 }  // namespace
@@ -231,7 +231,7 @@ std::vector<std::string> names_of(const std::vector<std::string>& lists) {
   return out;
 }
 
-/// URDF or MJCF on a plane: robot.toml, and what became of every part.
+/// Projects a URDF or MJCF file onto a plane: writes robot.toml, and reports what happened to every part.
 int run_description(const RobotArguments& a, Run& run) {
   if (a.normal.empty())
     throw InputError("--normal: x, y or z is needed: the axis of the root's frame across the plane");
@@ -241,21 +241,21 @@ int run_description(const RobotArguments& a, Run& run) {
   options.base = a.base, options.pin_height = a.pin_height;
   options.drives = drives_of(a.actuators);
   run.input(a.file);
-  const SpatialRobot from = read_description(a.file);
-  for (const std::string& warning : from.warnings) run.warn(a.file + ": " + warning);
-  const Projection made = project(from, options);
-  for (const std::string& warning : made.warnings) run.warn(a.file + ": " + warning);
+  const SpatialRobot spatial = read_description(a.file);
+  for (const std::string& warning : spatial.warnings) run.warn(a.file + ": " + warning);
+  const Projection projected = project(spatial, options);
+  for (const std::string& warning : projected.warnings) run.warn(a.file + ": " + warning);
   BodyScene scene;
-  scene.name = std::filesystem::path(a.file).stem().string(), scene.robot = made.robot;
-  scene.search.resize(made.robot.joints.size());
-  for (const std::string& file : made.drive_files)
+  scene.name = std::filesystem::path(a.file).stem().string(), scene.robot = projected.robot;
+  scene.search.resize(projected.robot.joints.size());
+  for (const std::string& file : projected.drive_files)
     if (!file.empty()) (void)actuator_of(file, run);
-  for (std::size_t i = 0; i < made.joints.size(); ++i)
-    if (const SpatialJoint& j = made.joints[i]; j.lower && j.upper && *j.lower < *j.upper)
+  for (std::size_t i = 0; i < projected.joints.size(); ++i)
+    if (const SpatialJoint& j = projected.joints[i]; j.lower && j.upper && *j.lower < *j.upper)
       scene.search[i].phi = {*j.lower, *j.upper};
-  run.add("robot.toml", robot_toml(made, from, run.options().folder, run.provenance_text()));
+  run.add("robot.toml", robot_toml(projected, spatial, run.options().folder, run.provenance_text()));
   std::vector<DescriptionNote> notes;
-  for (const Note& n : made.notes) notes.push_back({n.what, n.name, n.text});
+  for (const Note& n : projected.notes) notes.push_back({n.what, n.name, n.text});
   return report_robot(scene, notes, run);
 }
 
@@ -290,7 +290,7 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   options.validate();
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
   const CheckedBody checked = checked_body(scene, motion, options, rate);
-  return report(checked, beside ? held_beside(checked, rate) : std::nullopt, a.exports, run);
+  return report(checked, beside ? held_landing(checked, rate) : std::nullopt, a.exports, run);
 }
 
 BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
@@ -395,8 +395,8 @@ void add_robot(CLI::App* verb, Action& chosen) {
                              chosen, run_robot);
 }
 
-const Verb robot_verb(VerbGroup::kLandings, "robot",
-                      "a robot of links before anything falls: drawn, its tables, what looks wrong", add_robot);
+const Verb robot_verb(VerbGroup::kLandings, "robot", "draws and checks a robot of links, before anything falls",
+                      add_robot);
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What simulate, optimize, risk, compare and map do with a robot of links, and the verb that shows one.
+// simulate, optimize, risk, compare and map of a robot of links, the verb `robot`, and their shared options.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,44 +14,43 @@
 
 namespace ukemi::tools {
 
-/// The one file of --actuator that the paper's robot has. Throws InputError where there is none, or more.
+/// The file of --actuator for the paper's robot. Throws InputError unless there is exactly one.
 std::string only_actuator(const std::vector<std::string>& given, const std::string& option = "--actuator");
 
-/// FILE, or JOINT=FILE; the text before '=' is a joint's name, not a path.
+/// Parses FILE or JOINT=FILE; JOINT holds no '/', '\' or '.'.
 std::vector<landing::GivenDrive> drives_of(const std::vector<std::string>& given,
                                            const std::string& option = "--actuator");
-/// --height, checked.
+/// Checks --height.
 std::optional<double> checked_height(const std::optional<double>& height);
-/// The scene with the drives that are given, dropped from `height` where one is given; its files are inputs of the run,
-/// which warns of what looks wrong. With `set`, KEY=VALUE each, the scene that the edited files hold, which the run
-/// keeps.
+/// Reads a scene with the given drives and, if given, height. Its files become inputs of the run; warns of what looks
+/// wrong in it. With `set`, each KEY=VALUE, the scene of the files so edited, which become results of the run.
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
                            const std::string& option = "--actuator", const std::optional<double>& height = {},
                            const std::vector<std::string>& set = {});
-/// --actuator of a verb that takes the paper's robot too.
+/// Adds --actuator of a verb for both kinds of robot.
 void add_actuators(CLI::App& verb, std::vector<std::string>& actuators);
-/// --set of a verb.
+/// Adds --set.
 void add_set(CLI::App& verb, std::vector<std::string>& set);
-/// Throws InputError where it is given with the paper's robot.
+/// Throws InputError where --set is given: for the paper's robot.
 void refuse_set(const std::vector<std::string>& set);
-/// The files of a scene with what --set says. Throws InputError with its place.
+/// The files of a scene as edited by --set. Throws InputError with the place in the file.
 landing::Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
                             const std::optional<double>& height, const std::vector<std::string>& set);
-/// Throws InputError where an option is given that a robot of links does not have; the message lists what it has.
+/// Throws InputError where an option is `given` that robots of links do not support.
 void refuse(bool given, const char* option);
-/// Likewise a release of the joint, which a robot of links does not have; else what else a plan may have.
+/// Applies --bumps, --landing-gains and --release-... to the scene. Throws InputError.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene, Run& run);
-/// Warns where two drives differ in more than their constants.
+/// Warns where two drives differ in their feedback.
 void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& joint, Run& run);
-/// What optimize and trade plan: the scene with its drives, what a motion may be, what must not touch. Throws
-/// InputError for options that robots of links do not have.
+/// The scene that optimize and trade plan for, with its drives, variables of the motion and forbidden contacts. Throws
+/// InputError for options that robots of links do not support.
 landing::BodyScene scene_to_plan(const OptimizeArguments& arguments, Run& run);
-/// The limits of --respect-ratings; warns of drives without ratings.
+/// Adds the limits of --respect-ratings to the scene; warns of drives without ratings.
 void keep_ratings(landing::BodyScene& scene, Run& run);
-/// How: goal, effort and scatter, seed and threads; without deadline, rate and monitor.
+/// Search options: goal, effort, scatter, seed and threads; without deadline, rate and monitor.
 landing::BodyPlanOptions plan_options(const OptimizeArguments& arguments, const CommonOptions& common,
                                       const landing::BodyScene& scene, Run& run);
-/// Their --scatter; their --inflate, checked.
+/// Parse --scatter, and check --inflate.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
 double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& scene, Run& run);
 
@@ -78,7 +77,7 @@ struct MapArguments {
   std::string scene, slice, vary;
   std::vector<std::string> set;  ///< KEY=VALUE
   std::vector<std::string> actuators;
-  std::vector<int> grid;  ///< of the paper's robot; empty: its default
+  std::vector<int> grid;  ///< paper's robot only; empty: default
   FreedomArguments freedom;
   int polish = landing::MapOptions().polished;
 };
@@ -87,7 +86,7 @@ struct TradeArguments {
   std::vector<std::string> vary, merge;
   std::string pareto, shard;
 };
-/// Their --samples, checked.
+/// Checks --samples.
 long samples_of(const RiskArguments& arguments);
 int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);
 int risk_body(const RiskArguments& arguments, const CommonOptions& common);

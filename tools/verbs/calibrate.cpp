@@ -24,13 +24,13 @@ using namespace landing;
 
 namespace {
 
-/// A term's name, and its unit in the option: a pitch may be given as pitch_deg.
-struct Named {
+/// A term's name, and the unit of its values in an option, in SI: a pitch may be given as pitch_deg.
+struct TermWithUnit {
   std::string term;
   double unit = 1;
 };
-Named named(const std::vector<DropTerm>& table, const std::string& option, const std::string& text,
-            std::initializer_list<identify::Term::Role> roles) {
+TermWithUnit find_term(const std::vector<DropTerm>& table, const std::string& option, const std::string& text,
+                       std::initializer_list<identify::Term::Role> roles) {
   const bool degrees = text.size() > 4 && text.compare(text.size() - 4, 4, "_deg") == 0;
   const std::string name = degrees ? text.substr(0, text.size() - 4) : text;
   std::vector<std::string> known;
@@ -49,7 +49,7 @@ std::vector<std::string> named_terms(const std::vector<DropTerm>& table, const s
                                      const std::string& list, identify::Term::Role role) {
   std::vector<std::string> out;
   for (const std::string& item : split(list)) {
-    const std::string term = named(table, option, item, {role}).term;
+    const std::string term = find_term(table, option, item, {role}).term;
     if (std::find(out.begin(), out.end(), term) != out.end())
       throw InputError(option + ": " + quoted(item) + ": named twice");
     out.push_back(term);
@@ -67,25 +67,25 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   if (!a.free.empty()) o.terms.free = terms("--free", a.free, kConstant);
   o.terms.nuisance = terms("--nuisance", a.nuisance, kNuisance);
   o.profiles = terms("--profile", a.profile, kConstant);
-  const auto bounds = [&o](const std::string& option, const std::string& list, std::map<std::string, double>& to) {
+  const auto bounds = [&o](const std::string& option, const std::string& list, std::map<std::string, double>& values) {
     for (const std::string& item : split(list)) {
       const auto [name, value] = assignment(option, item);
-      const Named n = named(*o.terms.table, option, name, {kConstant});
-      set_once(option, name, n.term, to_number(option, value) * n.unit, to);
+      const TermWithUnit n = find_term(*o.terms.table, option, name, {kConstant});
+      set_once(option, name, n.term, to_number(option, value) * n.unit, values);
     }
   };
   bounds("--lower", a.lower, o.terms.lower);
   bounds("--upper", a.upper, o.terms.upper);
   for (const std::string& item : a.priors) {
     const NamedPrior known = named_prior("--prior", item);
-    const Named n = named(*o.terms.table, "--prior", known.name, {kConstant, kNuisance});
+    const TermWithUnit n = find_term(*o.terms.table, "--prior", known.name, {kConstant, kNuisance});
     if (!o.terms.fits(n.term))
       throw InputError("--prior: " + quoted(known.name) + ": it is not fitted, see --free and --nuisance");
     o.terms.priors.push_back({n.term, known.value * n.unit, known.std * n.unit});
   }
   for (const std::string& item : split(a.errors)) {
     const auto [name, value] = assignment("--errors", item, "NAME=SD");
-    const Named n = named(*o.terms.table, "--errors", name, {kConstant});
+    const TermWithUnit n = find_term(*o.terms.table, "--errors", name, {kConstant});
     o.errors.emplace_back(n.term, to_number("--errors", value) * n.unit);
   }
   o.validate();
@@ -93,17 +93,17 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
 
 namespace {
 
-/// Whether an option means the drop of that path: by its path, file name or stem.
-bool names(const std::string& drop, const std::string& path) {
+/// Whether `drop` is the path, file name or stem of a log.
+bool refers_to(const std::string& drop, const std::string& path) {
   const std::filesystem::path p(path);
   return drop == path || drop == p.filename().string() || drop == p.stem().string();
 }
 }  // namespace
 
-std::optional<std::string> given(const std::string& option, const std::vector<std::string>& items,
-                                 const std::string& path) {
+std::optional<std::string> value_of(const std::string& option, const std::vector<std::string>& items,
+                                    const std::string& path) {
   for (const std::string& item : items)
-    if (const Assignment a = assignment(option, item); names(a.name, path)) return a.value;
+    if (const Assignment a = assignment(option, item); refers_to(a.name, path)) return a.value;
   return {};
 }
 
@@ -112,9 +112,9 @@ namespace {
 void check(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
   for (const std::string& item : items) {
     const std::string drop = assignment(option, item).name;
-    const auto meant = [&](const std::string& path) { return names(drop, path); };
-    if (std::none_of(a.drops.begin(), a.drops.end(), meant) &&
-        std::none_of(a.validate.begin(), a.validate.end(), meant))
+    const auto matches = [&](const std::string& path) { return refers_to(drop, path); };
+    if (std::none_of(a.drops.begin(), a.drops.end(), matches) &&
+        std::none_of(a.validate.begin(), a.validate.end(), matches))
       throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
   }
 }
@@ -125,12 +125,12 @@ void check_drop_names(const CalibrateArguments& a) {
   check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
 }
 
-void set_throw(const CalibrateArguments& a, const std::string& path, Drop& thrown) {
-  if (const auto height = given("--height-of", a.height_of, path)) {
-    thrown.height = to_number("--height-of", *height);
-    if (!(thrown.height >= 0)) throw InputError("--height-of: " + quoted(*height) + ": at least 0 m is needed");
+void set_drop(const CalibrateArguments& a, const std::string& path, Drop& drop) {
+  if (const auto height = value_of("--height-of", a.height_of, path)) {
+    drop.height = to_number("--height-of", *height);
+    if (!(drop.height >= 0)) throw InputError("--height-of: " + quoted(*height) + ": at least 0 m is needed");
   }
-  if (const auto speed = given("--speed-of", a.speed_of, path)) thrown.forward_speed = to_number("--speed-of", *speed);
+  if (const auto speed = value_of("--speed-of", a.speed_of, path)) drop.forward_speed = to_number("--speed-of", *speed);
 }
 
 void warn_of_log(const DropLog& log, Run& run) {
@@ -146,17 +146,17 @@ Motion motion_of(const std::string& path, Run& run) {
   return read_motion(path);
 }
 
-/// The logs with how each was played, `motion` unless stated otherwise, and thrown.
+/// Reads the logs; each drop with its motion, by default `motion`, and initial conditions.
 std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const CalibrateArguments& a,
                                    const Scene& scene, const std::optional<Motion>& motion, Run& run) {
   std::vector<LoggedDrop> out;
   for (const std::string& path : paths) {
     run.input(path);
     LoggedDrop d{.log = read_drop(path), .motion = {}, .thrown = scene.drop};
-    const auto own = given("--motion-of", a.motion_of, path);
+    const auto own = value_of("--motion-of", a.motion_of, path);
     if (!own && !motion) throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
     d.motion = own ? motion_of(*own, run) : *motion;
-    set_throw(a, path, d.thrown);
+    set_drop(a, path, d.thrown);
     warn_of_log(d.log, run);
     out.push_back(std::move(d));
   }
@@ -176,12 +176,12 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   const Actuator actuator = landing_actuator_of(file, run);
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
   check_drop_names(a);
-  for (const std::string& twice : given_twice(a.drops)) run.warn(twice);
+  for (const std::string& twice : duplicate_warnings(a.drops)) run.warn(twice);
   const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),
                                 unseen = read_drops(a.validate, a, scene, motion, run);
   check_drops(scene, drops);
   if (!unseen.empty()) check_drops(scene, unseen);
-  for (const std::string& known : fitted_too(a.drops, a.validate)) run.warn(known);
+  for (const std::string& known : overlap_warnings(a.drops, a.validate)) run.warn(known);
   run.info(fmt::format("fitting {} drops", drops.size()));
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";
@@ -214,8 +214,9 @@ void add_calibrate(CLI::App* verb, Action& chosen) {
                    "every constant of the scene's contact laws, CONTACT.NAME where a contact has its own]");
   verb->add_option("--nuisance", args->nuisance, nuisance_help(drop_terms(), "A drop each"));
   repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
-  verb->add_option("--errors", args->errors,
-                   "stiffness=500,...: standard deviations of constants that are not fitted: they count in all errors");
+  verb->add_option(
+      "--errors", args->errors,
+      "stiffness=500,...: standard deviations of constants that are not fitted: all errors include theirs");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
   verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
   verb->add_option("--profile", args->profile,

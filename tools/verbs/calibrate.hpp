@@ -1,4 +1,4 @@
-// What calibrate does with either robot.
+// calibrate, for both kinds of robot.
 #pragma once
 
 #include <optional>
@@ -18,26 +18,26 @@ struct CalibrateArguments {
   double accuracy = 1e-9;
   Doubt doubt = Doubt::kReport;
   enum class Law {
-    kScene,  ///< the scene's, others are tried
-    kAsked,  ///< the law that the drops support best
-    kOnly,   ///< the scene's, no other is tried
+    kScene,  ///< fit the scene's and test others
+    kAsked,  ///< fit the law that the drops support best
+    kOnly,   ///< fit the scene's only
   };
   std::optional<Law> law;  ///< of a robot of links; absent: kScene
 };
 
-/// Terms of a list, at commas, by their names or aliases. Throws InputError "OPTION: ...", where one is named twice
-/// too.
+/// Names of the terms in a comma-separated list of names or aliases. Throws InputError "OPTION: ...", also where one is
+/// named twice.
 std::vector<std::string> named_terms(const std::vector<DropTerm>& table, const std::string& option,
                                      const std::string& list, identify::Term::Role role);
-/// What the arguments say of a fit, by the names of its table of terms.
+/// Sets the options of a fit from the arguments, by the names in its table of terms.
 void set_options(const CalibrateArguments& arguments, const CommonOptions& common, CalibrationOptions& options);
-/// Throws InputError where an option means a drop that is not there.
+/// Throws InputError where an option names a drop that is not given.
 void check_drop_names(const CalibrateArguments& arguments);
-/// What an option's items, DROP=VALUE, say of a drop.
-std::optional<std::string> given(const std::string& option, const std::vector<std::string>& items,
-                                 const std::string& path);
-/// --height-of, --speed-of.
-void set_throw(const CalibrateArguments& arguments, const std::string& path, landing::Drop& thrown);
+/// The VALUE for a drop among an option's items DROP=VALUE.
+std::optional<std::string> value_of(const std::string& option, const std::vector<std::string>& items,
+                                    const std::string& path);
+/// Applies --height-of and --speed-of.
+void set_drop(const CalibrateArguments& arguments, const std::string& path, landing::Drop& drop);
 void warn_of_log(const landing::DropLog& log, Run& run);
 
 int calibrate_body(const CalibrateArguments& arguments, const CommonOptions& common);

@@ -22,10 +22,10 @@ void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& 
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   if (!a.scene.empty() && landing::is_of_links(a.scene)) return compare_body(a, common);
-  const OfSets<std::string> files = {only_actuator(a.nominal, "--nominal"),
+  const PerSet<std::string> files = {only_actuator(a.nominal, "--nominal"),
                                      only_actuator(a.identified, "--identified")};
   Run run(kCompareOutputs, common);
-  const OfSets<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
+  const PerSet<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
   std::optional<RigTrials> measured;
   std::optional<landing::Scene> scene;
   warn_of_feedback(sets[0].sea.feedback, sets[1].sea.feedback, "", run);

@@ -15,10 +15,10 @@ using namespace landing;
 
 namespace {
 
-/// The scene with the drives of both sets. What is not given is the robot's own, in either.
-OfSets<BodyScene> scenes_of(const CompareArguments& a, Run& run) {
+/// The scene with the drives of each set; other drives are the robot's in both.
+PerSet<BodyScene> scenes_of(const CompareArguments& a, Run& run) {
   BodyScene nominal = read_body_scene(a.scene, drives_of(a.nominal, "--nominal"));
-  OfSets<BodyScene> out = {std::move(nominal), body_of(a.scene, a.identified, run, "--identified")};
+  PerSet<BodyScene> out = {std::move(nominal), body_of(a.scene, a.identified, run, "--identified")};
   const std::vector<std::string>& known = out[1].drive_files;
   for (const std::string& file : out[0].drive_files)
     if (std::find(known.begin(), known.end(), file) == known.end()) (void)actuator_of(file, run);
@@ -50,13 +50,13 @@ int compare_body(const CompareArguments& a, const CommonOptions& common) {
         "its "
         "landings");
   refuse(!a.scatter.drops.empty(), "--drops");
-  const OfSets<BodyScene> scenes = scenes_of(a, run);
+  const PerSet<BodyScene> scenes = scenes_of(a, run);
   for (std::size_t i = 0; i < scenes[0].robot.joints.size(); ++i) {
     const Joint &nominal = scenes[0].robot.joints[i], &identified = scenes[1].robot.joints[i];
     warn_of_feedback(nominal.sea.feedback, identified.sea.feedback, nominal.name + ": ", run);
   }
   const BodyComparisonOptions options = options_of(a, scenes[1], common, run);
-  const OfSets<std::string> names = {fmt::format("{}", fmt::join(a.nominal, ", ")),
+  const PerSet<std::string> names = {fmt::format("{}", fmt::join(a.nominal, ", ")),
                                      fmt::format("{}", fmt::join(a.identified, ", "))};
   return report(compare(scenes, options), names, run);
 }

@@ -16,7 +16,7 @@ using namespace landing;
 
 namespace {
 
-/// A set of constants, and the best motion for it.
+/// The name of a set of constants, and the best motion for it.
 using BestOf = std::pair<std::string, const Optimum*>;
 Quantities<BestOf> best_quantities() {
   Quantities<BestOf> out = {{"", "", "constants", {}, &BestOf::first}};
@@ -27,7 +27,7 @@ Quantities<BestOf> best_quantities() {
   return out;
 }
 
-/// A number of the paper and ours.
+/// A result of the paper, and ours.
 struct Fact {
   std::string what, paper, ukemi, note;
 };
@@ -38,8 +38,8 @@ const Quantities<Fact> kFactQuantities = {
     {"", "note", "note", {}, &Fact::note},
 };
 
-/// Which of the peaks between touchdowns is the largest, counted from 1.
-std::string nth(const Landing& l) {
+/// Number of the contact with the largest peak, from 1.
+std::string peak_contact(const Landing& l) {
   int n = 0, at = 0;
   double largest = 0;
   for (const Peak& p : l.peaks)
@@ -54,13 +54,13 @@ std::vector<Fact> facts(const Scene& scene, const SeaParameters<double>& table2,
   std::vector<Fact> out = {
       {"held at -45 deg: peak [m/s^2]", "466", fmt::format("{:.9g}", held.peak), ""},
       {"held at -45 deg: contacts", "foot, knee, hip, knee, foot", contact_order(held.peaks), ""},
-      {"held at -45 deg: peak at contact", "3", nth(held), ""},
+      {"held at -45 deg: peak at contact", "3", peak_contact(held), ""},
       {"best motion: peak [m/s^2]", "181", fmt::format("{:.5g}", played.peak),
        "a cliff stands beside it: see the next line"},
       {"  its tolerant peak [m/s^2]", "-", fmt::format("{:.5g}", best.tolerant.value),
        fmt::format("played within {:g} deg, {:g} ms", scene.execution.phi * kDegrees, scene.execution.duration * 1e3)},
       {"best motion: contacts", published, order, order == published ? "" : "the order differs from the paper's"},
-      {"best motion: peak at contact", "3", nth(played), ""},
+      {"best motion: peak at contact", "3", peak_contact(played), ""},
       {"reduction", "61 %", percent_words(1 - played.peak / held.peak), ""},
       {"run time of the search", "890 s (GA, MATLAB)", "see time_s of optimize/summary.json",
        "other machine, other method"}};
@@ -73,11 +73,11 @@ std::vector<Fact> facts(const Scene& scene, const SeaParameters<double>& table2,
 }
 
 struct DemoArguments {
-  enum class Reports { kName, kOpen } reports = Reports::kName;
+  enum class Reports { kList, kOpen } reports = Reports::kList;
 };
 
-/// Names the reports of the parts, and opens them with --open.
-void name_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
+/// Lists the reports of the parts, and opens them with --open.
+void list_reports(const DemoArguments& a, const std::string& folder, const CommonOptions& common, Run& run) {
   if (common.report == CommonOptions::Report::kSkip) return;
   run.say(""), run.say("Reports to open:");
   for (const char* part : {"", "/identify", "/optimize", "/compare"}) {
@@ -88,16 +88,16 @@ void name_reports(const DemoArguments& a, const std::string& folder, const Commo
   }
 }
 
-/// One page that tells the chain as a story, with a link to each part's report.
-void report_story(const Comparison& c, const Table& best, const Table& published, Run& run) {
-  const Optimum& own = c.motions[1].best;
+/// Writes the summary page of the chain, with a link to each part's report.
+void report_chain(const Comparison& c, const Table& best, const Table& published, Run& run) {
+  const Optimum& plan = c.motions[1].best;
   Report page("From trials to a soft landing");
-  const bool nearer = own.found && c.motions[1].landings[1] && c.motions[0].landings[1];
+  const bool landed = plan.found && c.motions[1].landings[1] && c.motions[0].landings[1];
   FirstScreen first{.sentence = "Eight impact trials give the actuator's constants, and these a landing."};
-  if (nearer)
+  if (landed)
     first.sentence += fmt::format(" It hits with {:.4g} m/s^2; planned with the data sheet's constants, {:.4g}.",
                                   c.motions[1].landings[1]->peak, c.motions[0].landings[1]->peak);
-  first.checks = {check(own.found, "a landing was found", ""), check(c.complete, "the comparison is complete", "")};
+  first.checks = {check(plan.found, "a landing was found", ""), check(c.complete, "the comparison is complete", "")};
   first.next = "Open the three reports below in their order.";
   page.answer(first, run.warnings());
   page.heading("The chain");
@@ -167,8 +167,8 @@ int run_demo(const DemoArguments& a, const CommonOptions& common) {
   say(best, run);
   run.say(""), run.say("== beside the paper");
   say(published, run);
-  report_story(comparison, best, published, run);
-  name_reports(a, run.options().folder, common, run);
+  report_chain(comparison, best, published, run);
+  list_reports(a, run.options().folder, common, run);
   return run.finish({{"identified", best.object(0)},
                      {"table2", best.object(1)},
                      {"nominal", best.object(2)},

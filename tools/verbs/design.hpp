@@ -1,4 +1,4 @@
-// What design is asked, of a rig or of a robot of links.
+// Arguments of design, of a rig or of a robot of links.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 namespace ukemi::tools {
 
 struct DesignArguments {
-  std::vector<std::string> trials, next;  ///< in hand; of a robot, logs of commands to choose from
+  std::vector<std::string> trials, next;  ///< existing trials; of a robot, logs of commands to choose from
   std::string rig, actuator, robot, pieces, free, heights;
   identify::Criterion criterion = identify::Criterion::kWorst;
   TrialArguments reading;
@@ -21,9 +21,9 @@ struct DesignArguments {
   std::string noise;  ///< [rad]; of a robot CHANNEL=STD,...
   std::optional<double> tau_max;
   int hits = 2, check = 50, tie = 1;
-  std::vector<std::string> given;  ///< the options that were
+  std::vector<std::string> given;  ///< names of the options on the command line
 };
-/// Which of `next` to log.
+/// Chooses which of `next` to log.
 int design_robot(const DesignArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

@@ -12,7 +12,7 @@ namespace ukemi::tools {
 
 int design_robot(const DesignArguments& a, const CommonOptions& common) {
   Run run(kDesignOutputs, common);
-  only_known(a.given,
+  allow_only(a.given,
              {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--heights", "--columns", "--pieces",
               "--tie", "--multi-turn"},
              "--robot");

@@ -12,12 +12,12 @@ namespace ukemi::tools {
 
 namespace {
 
-/// A joint's name as URDF, MJCF and ROS all take it.
+/// Checks that URDF, MJCF and ROS all accept a joint's name.
 std::string joint_name(const std::string& text) {
-  const bool right = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
+  const bool valid = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char c) {
     return (std::isalnum(c) && c < 128) || c == '_' || c == '-' || c == '.' || c == '/';
   });
-  if (!right) throw InputError("--joint: " + quoted(text) + ": letters, digits, '_', '-', '.' and '/' are needed");
+  if (!valid) throw InputError("--joint: " + quoted(text) + ": letters, digits, '_', '-', '.' and '/' are needed");
   return text;
 }
 

@@ -1,4 +1,4 @@
-// --export and --joint: results as other programs read them.
+// --export and --joint: results in formats of other programs.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,7 +10,7 @@
 
 namespace ukemi::tools {
 
-/// Formats by their names, and what they are for.
+/// Formats by name, and the option's help.
 struct ExportChoices {
   std::vector<std::pair<std::string, Exports::Format>> formats;
   std::string help;
@@ -19,7 +19,7 @@ struct ExportChoices {
 ExportChoices landing_exports();
 /// Formats of an actuator.
 ExportChoices actuator_exports();
-/// Throws InputError unless the joints of a robot of links can be exported so: --joint is the name of one alone.
+/// Throws InputError where a robot of links cannot be exported so: --joint requires a single driven joint.
 void check_exports(const Exports& exports, const landing::Robot& robot);
 void add_export(CLI::App& verb, Exports& exports, const ExportChoices& choices);
 

@@ -32,8 +32,8 @@ void add_freedom(CLI::App& verb, FreedomArguments& a) {
 
 void apply(const FreedomArguments& a, Freedom& freedom) {
   if (a.bumps) {
-    if (*a.bumps < 0 || *a.bumps > kMostBumps)
-      throw InputError(fmt::format("--bumps: {}: a whole number from 0 to {} is needed", *a.bumps, kMostBumps));
+    if (*a.bumps < 0 || *a.bumps > kMaxBumps)
+      throw InputError(fmt::format("--bumps: {}: a whole number from 0 to {} is needed", *a.bumps, kMaxBumps));
     freedom.bumps = *a.bumps;
   }
   if (a.gains) {

@@ -1,5 +1,5 @@
-// Options that several verbs share: the objective; what motions of a scene may have besides the paper's three numbers,
-// and how the joint hangs at release, which stand for [motion] and [release] of the scene.
+// Options that several verbs share: the objective; variables of a motion besides the paper's three, and the joint's
+// state at release, which override [motion] and [release] of the scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,19 +17,19 @@ struct FreedomArguments {
   std::optional<std::string> gains;                       ///< LO:HI
   std::optional<double> release_phi, release_rate, from;  ///< deg, deg/s, s
 };
-/// --objective peak or tolerant.
+/// Adds --objective: peak or tolerant.
 void add_objective(CLI::App& verb, landing::Goal& goal);
 void add_freedom(CLI::App& verb, FreedomArguments& arguments);
-/// What they say of bumps and gains, instead of what a scene says. Throws InputError.
+/// Overrides a scene's bumps and gains. Throws InputError.
 void apply(const FreedomArguments& arguments, landing::Freedom& freedom);
-/// The release of a scene of one driven joint as they change it. Throws InputError.
+/// The release of a scene with one driven joint, overridden by the arguments. Throws InputError.
 std::optional<landing::Release> release_of(const FreedomArguments& arguments,
                                            const std::optional<landing::Release>& scene);
-/// Warns of a --release-phi that was perhaps meant in radians.
+/// Warns of a --release-phi that may be in radians.
 void warn_of_radians(const FreedomArguments& arguments, Run& run);
-/// The scene of a file, an input of the run, with a warning of what its calibration did not trust. Throws InputError.
+/// Reads a scene as an input of the run; warns of constants that its calibration did not trust. Throws InputError.
 landing::Scene scene_of(const std::string& path, Run& run);
-/// The scene, with the arguments instead of its own keys. Throws InputError.
+/// Reads a scene as above and overrides its keys by the arguments.
 landing::Scene scene_of(const std::string& path, const FreedomArguments& arguments, Run& run);
 
 }  // namespace ukemi::tools

@@ -1,4 +1,4 @@
-// The motion that a verb is given: a file, or an angle at which the reference is held.
+// The motion of a verb's options: a file, or an angle at which the reference is held.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,9 +14,9 @@ struct MotionArguments {
   std::string file;
   std::optional<std::string> hold;  ///< [deg]; of a robot of links JOINT=DEG,...
 };
-/// --motion, --hold.
+/// Adds --motion and --hold.
 void add_motion(CLI::App& verb, MotionArguments& arguments);
-/// Throws InputError where there is not one of the two, and only one. A file is an input of the run.
+/// Throws InputError unless exactly one of the two is given. A file becomes an input of the run.
 landing::Motion motion_of(const MotionArguments& arguments, const std::string& verb, Run& run);
 
 }  // namespace ukemi::tools

@@ -22,18 +22,18 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Name of a term of the table that `may` be named, by its name or its alias.
-template <class May>
-std::string term_name(const std::string& option, const std::string& given, May&& may) {
+/// Name of the term with this name or alias, among those of the table that the predicate admits.
+template <class Predicate>
+std::string term_name(const std::string& option, const std::string& given, Predicate&& admits) {
   std::vector<std::string> known;
   for (const identify::RigTerm& t : identify::rig_terms()) {
-    if (!may(t)) continue;
+    if (!admits(t)) continue;
     if (t.is_called(given)) return t.name;
     known.push_back(t.name);
   }
   throw InputError(option + ": " + one_of(given, known));
 }
-/// Names at commas, each of a term with that role.
+/// Terms with this role in a comma-separated list.
 std::vector<std::string> term_names(const std::string& option, const std::string& list, identify::Term::Role role) {
   std::vector<std::string> out;
   for (const std::string& name : split(list)) {
@@ -60,8 +60,8 @@ identify::FitOptions fit_options(const IdentifyArguments& a, const CommonOptions
   o.escape = escape_of(a.reading);
   using enum identify::Term::Role;
   if (!a.free.empty()) {  // in the table's order, whatever the option's
-    const std::vector<std::string> asked = term_names("--free", a.free, kConstant);
-    std::erase_if(o.terms.free, [&](auto& name) { return std::find(asked.begin(), asked.end(), name) == asked.end(); });
+    const std::vector<std::string> named = term_names("--free", a.free, kConstant);
+    std::erase_if(o.terms.free, [&](auto& name) { return std::find(named.begin(), named.end(), name) == named.end(); });
   }
   o.terms.nuisance = term_names("--nuisance", a.nuisance, kNuisance);
   for (const std::string& item : split(a.prior)) {
@@ -100,7 +100,7 @@ void check(const IdentifyArguments& a, const IdentifyQuestion& q) {
         throw InputError("--free: " + name + " is not free and needs a value: give --start");
 }
 
-/// HEBI's effort follows from its deflection: without its own scale it would give the module's spring constant back.
+/// Fits torque_gain with HEBI's effort: deflection times the module's spring constant, which unscaled it would return.
 void scale_effort(const TrialArguments& a, IdentifyQuestion& q) {
   identify::Terms<identify::RigTerm>& terms = q.options.terms;
   const bool effort = a.effort == identify::HebiTrialOptions::Effort::kTorque;
@@ -108,7 +108,7 @@ void scale_effort(const TrialArguments& a, IdentifyQuestion& q) {
     terms.nuisance.push_back("torque_gain");
 }
 
-/// What the trials must contain. From rest a trial without excitation has no information; from elsewhere it has.
+/// The required content of the trials: excitation, unless the initial angle or rate is fitted.
 TrialNeeds needs_of(const IdentifyQuestion& q) {
   TrialNeeds needs;
   if (q.verb == IdentifyQuestion::Verb::kPredict)
@@ -129,18 +129,18 @@ identify::InitialState initial_state(const std::string& text) {
   return {Kind::kGiven, angle};
 }
 
-/// The landing that the fit is for, read before any work.
-struct AskedLanding {
+/// The landing of --scene, read before any computation.
+struct RequestedLanding {
   landing::Scene scene;
   landing::Motion motion;
 };
-std::optional<AskedLanding> asked_landing(const IdentifyArguments& a, const IdentifyQuestion& q, Run& run) {
+std::optional<RequestedLanding> requested_landing(const IdentifyArguments& a, const IdentifyQuestion& q, Run& run) {
   const bool motion = !a.motion.file.empty() || a.motion.hold;
   if (a.scene.empty() && !motion) return std::nullopt;
   if (a.scene.empty()) throw InputError("--motion, --hold: --scene is needed with them");
   if (!q.options.terms.fits("k_p") && q.base.k_p == 0)
     throw InputError("--scene: a landing needs K_p and K_d, and this drive is identified by its command (k_t)");
-  AskedLanding out{.scene = scene_of(a.scene, run), .motion = {}};
+  RequestedLanding out{.scene = scene_of(a.scene, run), .motion = {}};
   out.motion = motion_of(a.motion, "identify --scene", run);
   return out;
 }
@@ -169,7 +169,7 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
   choose_drive(q);
   scale_effort(a.reading, q);
   if (predict) q.trials = with_force_curve(q.trials, a.reading, q.rig, q.base);
-  const std::optional<AskedLanding> asked = asked_landing(a, q, run);
+  const std::optional<RequestedLanding> requested = requested_landing(a, q, run);
 
   run.info(fmt::format("{} {} trials", predict ? "predicting" : "fitting", q.trials.size()));
   if (predict) {
@@ -187,15 +187,16 @@ int run_identify(const IdentifyArguments& a, const CommonOptions& common) {
                                      .threads = common.threads};
   const identify::Identification found = identify::identify({q.rig, q.trials, q.options}, start, q.base, depth);
   std::optional<LandingOfFit> landing;
-  if (asked && found.trust)
-    landing = landing_of_fit(asked->scene, fitted_actuator(q, found.fit), asked->motion, common.seed, common.threads);
+  if (requested && found.trust)
+    landing =
+        landing_of_fit(requested->scene, fitted_actuator(q, found.fit), requested->motion, common.seed, common.threads);
   return report(q, found, landing, a.doubt, std::move(inputs.summary), run);
 }
 
 namespace {
 
-/// Of a rig, or of a robot of links.
-int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
+/// Runs identify or predict of a rig or of a robot of links.
+int run_any(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
   if (!a.robot.empty()) return identify_robot(a, common, predicts);
   if (a.rig.empty()) throw InputError("--rig is required, or --robot of a robot of links");
   if (predicts == Predicts::kYes && a.actuator.empty()) throw InputError("--actuator is required");
@@ -207,15 +208,15 @@ int run_of(const IdentifyArguments& a, const CommonOptions& common, Predicts pre
   return run_identify(a, common);
 }
 int run_identify_of(const IdentifyArguments& a, const CommonOptions& common) {
-  return run_of(a, common, Predicts::kNo);
+  return run_any(a, common, Predicts::kNo);
 }
 int run_predict_of(const IdentifyArguments& a, const CommonOptions& common) {
-  return run_of(a, common, Predicts::kYes);
+  return run_any(a, common, Predicts::kYes);
 }
 
 using SharedArguments = std::shared_ptr<IdentifyArguments>;
 
-/// What a prediction may be told.
+/// Options of a prediction.
 void add_prediction_options(CLI::App* verb, const SharedArguments& args) {
   verb->add_option("--start-angle", args->start_angle,
                    "angle that every trial starts at, at rest [rad], or fit: angle and rate of each trial are fitted "
@@ -226,7 +227,7 @@ void add_prediction_options(CLI::App* verb, const SharedArguments& args) {
                    "with --robot: what of its start is fitted to each trial, as of identify; none: it starts as its "
                    "first rows say [all]");
 }
-/// What a fit may be told: where it starts, what it may change, how it weighs.
+/// Options of a fit: starts, free terms, bounds, weights.
 void add_fit_options(CLI::App* verb, const SharedArguments& args) {
   verb->add_option("--start", args->start, "actuator file to start from [worked out from the rig and the trials]");
   verb->add_option("--speed-max", args->speed_max, "the motor's rated speed at the output [rad/s] [the rig's]");
@@ -236,9 +237,10 @@ void add_fit_options(CLI::App* verb, const SharedArguments& args) {
   verb->add_option("--per-run", args->per_run,
                    "with --robot: constants of --free that each log has for its own, NAME@1 of the first [none]");
   verb->add_option("--nuisance", args->nuisance, nuisance_help(identify::rig_terms(), "A trial each"));
-  verb->add_option("--errors", args->errors,
-                   "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: they "
-                   "count in all errors and verdicts [1 ms of each elastic drive's control_delay and velocity_filter]");
+  verb->add_option(
+      "--errors", args->errors,
+      "with --robot: link.LINK.mass=0.01,...: standard deviations of constants that are not fitted: all "
+      "errors and verdicts include theirs [1 ms of each elastic drive's control_delay and velocity_filter]");
   verb->add_option("--prior", args->prior,
                    "k_sea=65:5,...: what is known of fitted terms beforehand, VALUE:STD, counted like a measurement");
   verb->add_option("--starts", args->starts,
@@ -251,7 +253,7 @@ void add_fit_options(CLI::App* verb, const SharedArguments& args) {
   add_choice(*verb, "--weights", args->weights, {{"equal", kEqual}, {"trial", kTrial}},
              "equal, or trial: 1 / each trial's own residual variance [equal]");
 }
-/// How a fit is judged, and what it is worth on a landing.
+/// Options of the tests of a fit, and of its effect on a landing.
 void add_judgement_options(CLI::App* verb, const SharedArguments& args) {
   verb->add_flag_callback(
       "--strict", [args] { args->doubt = Doubt::kFail; },

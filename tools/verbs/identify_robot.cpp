@@ -21,42 +21,42 @@ using namespace landing;
 
 namespace {
 
-/// auto, seconds, or FILE[:COLUMN].
-void read_pieces(const std::string& text, RobotLogOptions& to, Run& run) {
-  if (text == "auto") return void(to.cuts = RobotLogOptions::Cuts::kHops);
+/// Parses --pieces: auto, seconds, or FILE[:COLUMN].
+void parse_pieces(const std::string& text, RobotLogOptions& options, Run& run) {
+  if (text == "auto") return void(options.cuts = RobotLogOptions::Cuts::kHops);
   const std::size_t colon = text.rfind(':');
   const std::string path = text.substr(0, colon), column = colon == std::string::npos ? "t" : text.substr(colon + 1);
   if (!std::filesystem::exists(path)) {
     if (!number_fault(text, Whole::kNo).empty())
       throw InputError("--pieces: " + quoted(text) + ": auto, seconds, or a file that is there is needed");
-    to.pieces = to_number("--pieces", text);
-    if (!(to.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", to.pieces));
+    options.pieces = to_number("--pieces", text);
+    if (!(options.pieces > 0)) throw InputError(fmt::format("--pieces: {:g} s: above 0 is needed", options.pieces));
     return;
   }
   run.input(path);
   const CsvTable table = read_csv(path, [&](const std::string& name) { return name == column; });
   const int c = table.require(column);
   table.require_full(c);
-  to.times = table.columns[std::size_t(c)];
-  table.require_increasing(c, to.times);
-  if (to.times.size() < 2)
+  options.times = table.columns[std::size_t(c)];
+  table.require_increasing(c, options.times);
+  if (options.times.size() < 2)
     throw InputError(table.at(c, 0), "one time: at least two are needed, a piece is between two");
 }
 
-/// What the options say of the fit, by the names of its terms. Without --nuisance every start is fitted.
+/// Sets the options of the fit. Without --nuisance every start is fitted.
 void set_options(const IdentifyArguments& a, const CommonOptions& common, RobotFitOptions& o) {
   const std::vector<std::string> starts = o.terms.nuisance;
-  CalibrateArguments given;
-  given.free = a.free, given.lower = a.lower, given.upper = a.upper, given.profile = a.profile;
-  given.errors = a.errors;
-  given.priors = split(a.prior);
-  if (a.nuisance != "none") given.nuisance = a.nuisance;
-  if (a.nuisance.empty()) given.nuisance = fmt::format("{}", fmt::join(starts, ","));
-  tools::set_options(given, common, o);
+  CalibrateArguments fit;
+  fit.free = a.free, fit.lower = a.lower, fit.upper = a.upper, fit.profile = a.profile;
+  fit.errors = a.errors;
+  fit.priors = split(a.prior);
+  if (a.nuisance != "none") fit.nuisance = a.nuisance;
+  if (a.nuisance.empty()) fit.nuisance = fmt::format("{}", fmt::join(starts, ","));
+  tools::set_options(fit, common, o);
   o.restarts = a.starts, o.threads = common.threads;
 }
 
-/// The robot's numbers by their names.
+/// Names and values of numbers of the robot.
 std::vector<std::pair<std::string, double>> values_of(const DrivenRobot& robot, const std::vector<std::string>& names) {
   std::vector<std::pair<std::string, double>> out;
   for (const std::string& name : names) out.emplace_back(name, number_of(robot, name));
@@ -112,7 +112,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
   reading.columns = logs.columns;
   reading.tied = logs.tie;
   if (logs.tie != 1 && logs.pieces.empty()) throw InputError("--tie: --pieces is needed with it");
-  if (!logs.pieces.empty()) read_pieces(logs.pieces, reading, run);
+  if (!logs.pieces.empty()) parse_pieces(logs.pieces, reading, run);
   std::vector<RobotTrial> out;
   for (const std::string& path : logs.files) {
     run.input(path);
@@ -121,7 +121,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
       out.push_back(std::move(t));
     }
   }
-  for (const std::string& twice : given_twice(logs.files)) run.warn(twice);
+  for (const std::string& twice : duplicate_warnings(logs.files)) run.warn(twice);
   for (std::size_t i = 0; i < out.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (out[i].run != out[j].run && same_content(out[i], out[j]))
@@ -129,7 +129,7 @@ std::vector<RobotTrial> read_trials(const LogArguments& logs, RobotLogOptions re
                              ukemi::quoted(out[j].log.file), ukemi::quoted(out[i].log.file)));
   for (const std::string& doubt : force_doubts(robot, out)) run.warn(doubt);
   if (reading.measured == RobotLogOptions::Measured::kAngles)
-    for (const std::string& still : leave_out_still(robot.scene.robot, out)) run.warn(still);
+    for (const std::string& still : remove_flat_columns(robot.scene.robot, out)) run.warn(still);
   return out;
 }
 
@@ -143,7 +143,7 @@ DrivenRobot robot_of(const std::string& path, Run& run) {
 std::vector<double> logged_peaks(const std::string& path, const Texts& texts, const LogArguments& logs,
                                  const CommonOptions& common, Run& run) {
   DrivenRobot robot = read_driven_robot(path, texts);
-  robot.known.reset();  // bands are not asked for
+  robot.known.reset();  // no prediction bands
   const std::vector<RobotTrial> trials = read_trials(logs, {}, robot, run);
   run.info(fmt::format("following {} trials of the logs", trials.size()));
   RobotFitOptions options;
@@ -158,20 +158,20 @@ std::vector<double> logged_peaks(const std::string& path, const Texts& texts, co
 }
 
 int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Predicts predicts) {
-  const bool only = predicts == Predicts::kYes;
-  Run run(only ? kPredictOutputs : kIdentifyOutputs, common);
-  only_known(a.given,
+  const bool predicting = predicts == Predicts::kYes;
+  Run run(predicting ? kPredictOutputs : kIdentifyOutputs, common);
+  allow_only(a.given,
              {"--robot", "--free", "--per-run", "--nuisance", "--prior", "--errors", "--lower", "--upper", "--profile",
               "--columns", "--pieces", "--tie", "--starts", "--strict", "--multi-turn", "--start-angle"},
              "--robot");
-  if (only && a.doubt == Doubt::kFail)
-    throw InputError("--strict: it has no say with predict --robot, which tells bands and baselines and no verdict");
+  if (predicting && a.doubt == Doubt::kFail)
+    throw InputError("--strict: it has no effect with predict --robot, which tells bands and baselines and no verdict");
   const DrivenRobot robot = robot_of(a.robot, run);
   const std::vector<RobotTrial> trials =
       read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading_of(a.reading), robot, run);
   RobotFitOptions options;
   options.terms = robot_terms(robot, trials);
-  if (only) {
+  if (predicting) {
     if (!a.nuisance.empty())
       options.terms.nuisance = a.nuisance == "none" ? std::vector<std::string>{}
                                                     : named_terms(*options.terms.table, "--nuisance", a.nuisance,
@@ -183,9 +183,9 @@ int identify_robot(const IdentifyArguments& a, const CommonOptions& common, Pred
   set_options(a, common, options);
   options.monitor = run.monitor("identify", "parts");
   const std::vector<std::string> free = options.terms.free;
-  (void)robot_text(a.robot, robot, values_of(robot, free), "", run.folder());  // what cannot be written is said first
-  give_each_run(named_terms(*options.terms.table, "--per-run", a.per_run, identify::Term::Role::kConstant), trials,
-                options);  // the file holds their means
+  (void)robot_text(a.robot, robot, values_of(robot, free), "", run.folder());  // throws where it cannot write
+  fit_per_run(named_terms(*options.terms.table, "--per-run", a.per_run, identify::Term::Role::kConstant), trials,
+              options);  // the file holds their means
   run.info(fmt::format("fitting {} trials", trials.size()));
   const RobotFit fit = fit_robot(robot, trials, options);
   return report({fit, logs_of(trials), a.per_run.empty() ? std::vector<std::string>{} : runs_of(trials)}, std::nullopt,

@@ -19,7 +19,7 @@ using namespace landing;
 
 namespace {
 
-/// The values of a motion, which must lie in their ranges.
+/// The variables of a motion file. Throws InputError where one is outside its range.
 Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
   const Coordinates x = space.values_of(read_motion(path));
   for (int k = 0; k < space.dimension(); ++k)
@@ -65,7 +65,7 @@ void add_map(CLI::App* verb, Action& chosen) {
   add_actuators(*verb, args->actuators);
   add_set(*verb, args->set);
   verb->add_option("--grid", args->grid,
-                   "points of phi_I, phi_F, duration and, if the motion has more, those; 1: it stands [64,64,32]")
+                   "points of phi_I, phi_F, duration and, if the motion has more, those; 1: held fixed [64,64,32]")
       ->delimiter(',');
   verb->add_option("--vary", args->vary,
                    "of a robot of links NAME[:N],...: one to three variables, as phi_i_hip, and points of each [64; of "
@@ -75,7 +75,7 @@ void add_map(CLI::App* verb, Action& chosen) {
       "motion file: where variables without a grid stand [the middle of their ranges; of a robot of links the "
       "held posture]");
   add_freedom(*verb, args->freedom);
-  verb->add_option("--polish", args->polish, "how many of the grid's local minima are searched from close by [24]");
+  verb->add_option("--polish", args->polish, "how many of the grid's local minima a search refines [24]");
   add_action<MapArguments>(*verb, args, "ukemi map scene.toml --actuator actuator.toml --grid 64,64,32 -o out", chosen,
                            run_map);
 }

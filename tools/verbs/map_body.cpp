@@ -12,7 +12,7 @@ using namespace landing;
 
 namespace {
 
-/// NAME[:N],...
+/// Parses NAME[:N],...
 std::vector<GridAxis> grid_of(const std::string& text) {
   std::vector<GridAxis> out;
   for (const std::string& item : split(text)) {

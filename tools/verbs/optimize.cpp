@@ -23,14 +23,14 @@ using namespace landing;
 
 namespace {
 
-/// Time since the program's start: processor time until here, then the wall clock [s].
+/// Time since the program's start: processor time up to construction, then wall clock [s].
 class Clock {
  public:
-  Clock() : before_(double(std::clock()) / CLOCKS_PER_SEC) {}
-  double seconds() const { return before_ + watch_.seconds(); }
+  Clock() : startup_(double(std::clock()) / CLOCKS_PER_SEC) {}
+  double seconds() const { return startup_ + watch_.seconds(); }
 
  private:
-  double before_;
+  double startup_;
   Stopwatch watch_{Stopwatch::Time::kWall};
 };
 
@@ -48,10 +48,10 @@ RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Ac
 
 AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common, const Actuator& actuator,
                          const Run& run) {
-  const bool all = a.solver == "compare";
+  const bool compare_solvers = a.solver == "compare";
   AnswerOptions out;
   OptimizeOptions& o = out.search;
-  o.solver = all ? "auto" : a.solver;
+  o.solver = compare_solvers ? "auto" : a.solver;
   o.goal = a.goal;
   o.evaluations = a.evaluations;
   o.deadline = a.deadline;
@@ -62,7 +62,7 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
     o.limits.forbidden[choice_index("--forbid", point, {kPointNames.begin(), kPointNames.end()})] = true;
   if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(actuator, o);
   o.validate();
-  if (all) out.solvers = solver_names();
+  if (compare_solvers) out.solvers = solver_names();
   const bool rows = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
                     a.exports.has(Exports::Format::kPlotJuggler);
   out.rate = rows ? 1000 : 0;
@@ -81,8 +81,8 @@ std::optional<long> scattered_samples(const OptimizeArguments& a) {
 }
 
 double writing_time(double deadline) {
-  constexpr double kTexts = 0.02, kDrawn = 0.2;  // texts [s]; with curves, a part of the deadline
-  return deadline < kDrawnFrom ? kTexts : std::min(1.0, kDrawn * deadline);
+  constexpr double kTexts = 0.02, kPlotShare = 0.2;  // without plots [s]; with plots, over the deadline
+  return deadline < kDrawnFrom ? kTexts : std::min(1.0, kPlotShare * deadline);
 }
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
@@ -117,7 +117,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
 
 namespace {
 
-/// Of drops that scatter.
+/// Options for drops that scatter.
 void add_robust_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>& args) {
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
@@ -130,10 +130,10 @@ void add_robust_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>
   verb->add_option("--penalty", args->penalty,
                    "with --robust, what a drop that breaks --forbid, a rating or a joint stop counts [1000 m/s^2]");
 }
-/// Of logs that the plan is told beside.
+/// Options of logs to compare the plan with.
 void add_log_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>& args) {
   verb->add_option("--log", args->logs.files,
-                   "of a robot of links with [command]: CSV logs of it; the plan is told beside what it did there")
+                   "of a robot of links with [command]: CSV logs of it; the plan is compared with what it did there")
       ->allow_extra_args(false);
   verb->add_option("--columns", args->logs.columns, "with --log: its columns by other names, as of identify");
   verb->add_option("--pieces", args->logs.pieces,
@@ -157,7 +157,7 @@ void add_optimize(CLI::App* verb, Action& chosen) {
                    "variables 2 (n - 2) times as "
                    "many; no limit with --deadline]");
   verb->add_option("--deadline", args->deadline,
-                   "when the answer is verified and written, counted from the program's start [s]");
+                   "time by which the answer is verified and written, from the program's start [s]");
   verb->add_flag_callback(
       "--evidence", [args] { args->evidence = AnswerOptions::Extras::kAlways; },
       "always test the motion under deviations and inside the execution box, even beyond the deadline and however long "

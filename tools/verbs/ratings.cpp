@@ -27,7 +27,7 @@ struct RatingsArguments {
   FreedomArguments freedom;
 };
 
-std::vector<double> points_of(const std::string& option, const std::string& text) {
+std::vector<double> grid_of(const std::string& option, const std::string& text) {
   const NumberRange r = number_range(option, text, true);
   if (!(r.lower > 0)) throw InputError(fmt::format("{}: {}: above 0 is needed", option, r.lower));
   std::vector<double> out;
@@ -35,7 +35,7 @@ std::vector<double> points_of(const std::string& option, const std::string& text
   return out;
 }
 
-/// Of a robot of links: a trade of what all its drives are rated.
+/// ratings of a robot of links: a trade of the ratings of all its drives.
 int ratings_of_links(const RatingsArguments& a, const CommonOptions& common) {
   TradeArguments t;
   t.plan.scene = a.scene, t.plan.actuators = a.actuators, t.plan.evaluations = a.evaluations,
@@ -52,9 +52,9 @@ int run_ratings(const RatingsArguments& a, const CommonOptions& common) {
   const Scene scene = scene_of(a.scene, a.freedom, run);
   const Actuator actuator = landing_actuator_of(only_actuator(a.actuators), run);
   RatingOptions options;
-  options.speeds = points_of("--motor-speed", a.speed);
+  options.speeds = grid_of("--motor-speed", a.speed);
   if (a.torque)
-    options.torques = points_of("--motor-torque", *a.torque);
+    options.torques = grid_of("--motor-torque", *a.torque);
   else
     options.torques = {actuator.motor_torque_max.value_or(std::numeric_limits<double>::infinity())};
   if (!a.torque && !actuator.motor_torque_max) warn_of_unknown_ratings(actuator, a.actuators[0], run);

@@ -24,13 +24,13 @@ using namespace landing;
 
 namespace {
 
-/// Refuses options for drawing drops where the drops were measured.
+/// Throws InputError where options for drawn drops are given with --drops.
 void check_measured(const RiskArguments& a) {
   const char* given = a.execution == RiskArguments::Execution::kInexact ? "--inexact"
                       : a.samples                                       ? "--samples"
                                                                         : nullptr;
   if (given && !a.scatter.drops.empty())
-    throw InputError(fmt::format("{}: beside --drops it has no say: the drops come as they were measured", given));
+    throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
 }
 
 RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, const Run& run) {
@@ -85,8 +85,7 @@ void add_risk(CLI::App* verb, Action& chosen) {
   verb->add_flag_callback(
       "--inexact", [args] { args->execution = RiskArguments::Execution::kInexact; },
       "the motion is played anywhere within the scene's [execution] tolerance");
-  verb->add_option("--forbid", args->forbid, "points of which it is told how often they touch: hip,knee,foot")
-      ->delimiter(',');
+  verb->add_option("--forbid", args->forbid, "points whose touches are counted: hip,knee,foot")->delimiter(',');
   verb->add_option("--samples", args->samples, "drops that are drawn, 100 to 10000000 [10000]");
   add_action<RiskArguments>(*verb, args,
                             "ukemi risk scene.toml --actuator actuator.toml --motion motion.toml "

@@ -1,5 +1,4 @@
-// The verbs that the demo runs one after the other. Each computes and writes its files; `result` receives what it
-// found.
+// The verbs that demo and others call. Each computes and writes its files; `result`, unless null, receives the result.
 #pragma once
 
 #include <filesystem>
@@ -23,44 +22,44 @@ namespace ukemi::tools {
 struct IdentifyArguments {
   std::vector<std::string> trials;
   std::string rig, start, actuator;  ///< start: identify; actuator: predict
-  std::string robot;                 ///< of links, in place of the rig
-  std::string pieces;                ///< of its logs: [s], or FILE[:COLUMN] of times
-  int tie = 1;                       ///< so many of them are one trial
-  std::vector<std::string> given;    ///< the options that were
+  std::string robot;                 ///< robot of links, instead of the rig
+  std::string pieces;                ///< of its logs: auto, [s], or FILE[:COLUMN] of times
+  int tie = 1;                       ///< number of pieces that form a trial
+  std::vector<std::string> given;    ///< names of the options on the command line
   std::string start_angle;           ///< predict: [rad], or "fit"
-  std::string per_run;               ///< of `free`, those that each log has for its own
+  std::string per_run;               ///< those of `free` with a value for each log
   std::string free, nuisance, prior, errors, lower, upper, loss = "none";
   identify::FitOptions::Weights weights = identify::FitOptions::Weights::kEqual;
   TrialArguments reading;
-  std::optional<double> speed_max, motor_torque_max;  ///< the motor's ratings, before the rig's
+  std::optional<double> speed_max, motor_torque_max;  ///< the motor's ratings, override the rig's
   double accuracy = 1e-9;
-  int starts = 0;  ///< explored; 0: as few as needed
+  int starts = 0;  ///< number to explore; 0: as few as needed
   Doubt doubt = Doubt::kReport;
   identify::TrustOptions::Depth depth = identify::TrustOptions::Depth::kResiduals;
-  std::string profile;  ///< constants, at commas
+  std::string profile;  ///< constants, comma-separated
   std::string scene;    ///< of the landing whose peak the fit's errors move
   MotionArguments motion;
   Exports exports;
 };
-/// Fits, or with `actuator` set predicts.
+/// Fits, or predicts if `actuator` is set.
 int run_identify(const IdentifyArguments& arguments, const CommonOptions& common);
 enum class Predicts { kNo, kYes };
-/// The same of a robot of links.
+/// Fits or predicts for a robot of links.
 int identify_robot(const IdentifyArguments& arguments, const CommonOptions& common, Predicts predicts);
 
-/// A file of a folder.
+/// The path of a file in a folder.
 inline std::string in(const std::string& folder, const char* name) {
   return (std::filesystem::path(folder) / name).string();
 }
 
-/// Logs of a robot of links that a plan stands beside.
+/// Logs of a robot of links to compare a plan with.
 struct LogArguments {
   std::vector<std::string> files;
   std::string columns, pieces;
   int tie = 1;
 };
-/// Of each of their trials the largest acceleration of the point that counts, by the robot's model under the log's
-/// commands [m/s^2]; how each starts is fitted to it. `texts` stand in place of its files.
+/// For each trial of the logs the largest acceleration of the point that counts, simulated under the log's commands
+/// from a fitted start [m/s^2]. `texts` replace the content of the robot's files, by path.
 std::vector<double> logged_peaks(const std::string& robot, const landing::Texts& texts, const LogArguments& logs,
                                  const CommonOptions& common, Run& run);
 
@@ -82,16 +81,16 @@ struct OptimizeArguments {
   std::optional<std::string> robust;  ///< a measure
   ScatterArguments scatter;
   std::optional<long> samples;
-  std::optional<double> share;  ///< of the drops, that keep the limits
+  std::optional<double> share;  ///< fraction of the drops that keep the limits
   std::optional<double> penalty;
   LogArguments logs;
   Exports exports;
   CommonOptions::Lines lines = CommonOptions::Lines::kAnswer;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
-/// Of a deadline, what the results take to be written at most [s].
+/// Time reserved for writing the results within a deadline [s].
 double writing_time(double deadline);
-/// --samples of a plan for drops that scatter; none: as many as usual. Throws InputError.
+/// --samples of a plan for drops that scatter; absent: the default. Throws InputError.
 std::optional<long> scattered_samples(const OptimizeArguments& arguments);
 
 struct CompareArguments {

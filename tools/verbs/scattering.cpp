@@ -33,7 +33,7 @@ Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene,
   out.inflate = checked_inflate(a);
   if (!a.drops.empty()) {
     if (const char* given = a.scatter ? "--scatter" : a.inflate ? "--inflate" : nullptr)
-      throw InputError(fmt::format("{}: beside --drops it has no say: the drops come as they were measured", given));
+      throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
     run.input(a.drops);
     out.measured = landing::read_drops(a.drops, scene, actuator.sea);
     return out;

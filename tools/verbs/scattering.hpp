@@ -14,18 +14,18 @@ namespace ukemi::tools {
 struct ScatterArguments {
   std::optional<std::string> scatter;  ///< NAME=STD,...
   std::optional<double> inflate;
-  std::string drops;  ///< a file of measured ones
+  std::string drops;  ///< file of measured drops
 };
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
-/// --samples of a plan for drops that scatter.
+/// Adds --samples of a plan for drops that scatter.
 void add_samples(CLI::App& verb, std::optional<long>& samples);
 
-/// Their --inflate, 1 where it is not given. Throws InputError.
+/// --inflate, by default 1. Throws InputError.
 double checked_inflate(const ScatterArguments& arguments);
 
-/// What they say. Throws InputError.
+/// The scatter that the arguments describe.
 struct Scattering {
-  std::optional<landing::Scatter> scatter;       ///< none: the scene's, or what is assumed
+  std::optional<landing::Scatter> scatter;       ///< absent: the scene's, else the default
   double inflate = 1;                            ///< of the constants' standard errors
   std::vector<landing::ScatteredDrop> measured;  ///< instead of drawn drops
 };

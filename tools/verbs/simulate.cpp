@@ -21,7 +21,7 @@ using namespace landing;
 
 namespace {
 
-/// Drop ROW of FILE:ROW.
+/// The drop in FILE:ROW.
 ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuator& actuator, Run& run) {
   const std::size_t colon = text.rfind(':');
   const std::string row = colon == std::string::npos ? "" : text.substr(colon + 1);
@@ -58,7 +58,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   }
   const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
   const CheckedLanding checked = checked_landing(scene, actuator, motion, options, rate);
-  const auto held = beside ? held_beside(checked, actuator.sea, rate) : std::nullopt;
+  const auto held = beside ? held_landing(checked, actuator.sea, rate) : std::nullopt;
   return report(checked, actuator, held, a.exports, run);
 }
 

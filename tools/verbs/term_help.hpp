@@ -1,4 +1,4 @@
-// The help of --nuisance, as the table of terms has it.
+// The help of --nuisance, generated from a table of terms.
 #pragma once
 
 #include <string>

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 
 #include "common/error.hpp"
@@ -22,18 +23,18 @@ using namespace landing;
 
 namespace {
 
-constexpr int kCurve = 9, kMap = 5;  // designs along an axis, where nobody says how many
+constexpr int kCurvePoints = 9, kMapPoints = 5;  // default number of designs along one axis, and each of two
 
-/// KEY=LO:HI[:N].
-TradeAxis axis_of(const std::string& text, int usual, const BodyScene& scene) {
+/// Parses KEY=LO:HI[:N].
+TradeAxis axis_of(const std::string& text, int default_count, const BodyScene& scene) {
   const std::string option = "--vary";
   const Assignment a = assignment(option, text, "KEY=LO:HI[:N]");
   const bool counted = std::count(a.value.begin(), a.value.end(), ':') == 2;
   const NumberRange range = number_range(option, a.value, counted);
-  const int n = counted ? range.count : usual;
+  const int n = counted ? range.count : default_count;
   TradeAxis out{a.name, {}};
   for (int i = 0; i < n; ++i) out.values.push_back((range.lower * (n - 1 - i) + range.upper * i) / (n - 1));
-  for (const double end : {range.lower, range.upper})  // refused before anything is searched
+  for (const double end : {range.lower, range.upper})  // throws before any search
     try {
       BodyScene tried = scene;
       set_design_number(tried, a.name, end);
@@ -47,7 +48,7 @@ std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) 
   if (a.vary.size() > 2) throw InputError(fmt::format("--vary: {} times: once or twice is needed", a.vary.size()));
   std::vector<TradeAxis> out;
   for (const std::string& text : a.vary) {
-    out.push_back(axis_of(text, a.vary.size() == 1 ? kCurve : kMap, scene));
+    out.push_back(axis_of(text, a.vary.size() == 1 ? kCurvePoints : kMapPoints, scene));
     const std::string& name = out.back().name;
     if (out.size() == 2 && out[0].name == name) throw InputError("--vary: " + quoted(name) + ": named twice");
     if (is_rating(name) && a.plan.ratings != OptimizeArguments::Ratings::kRespect)
@@ -56,10 +57,10 @@ std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) 
   return out;
 }
 
-/// COST,LIMITED[:N].
+/// Arguments of --pareto: COST,LIMITED[:N].
 struct FrontArguments {
   std::string cost, limited;
-  std::size_t count = kCurve;
+  std::size_t count = kCurvePoints;
 };
 FrontArguments front_of(const std::string& text) {
   const std::string option = "--pareto";
@@ -82,7 +83,7 @@ TradePart trade_part(const std::string& text, std::size_t designs) {
   return {part - 1, parts};
 }
 
-/// What makes two trades the same: what was read, and what was asked for.
+/// Identity of a trade: a checksum of its inputs and options.
 std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, const Run& run) {
   std::vector<std::string> parts = {UKEMI_VERSION, a.pareto, fmt::format("{}", fmt::join(a.vary, " "))};
   for (const auto& [key, value] : run.provenance())
@@ -93,11 +94,14 @@ std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, 
                               search.seed, a.plan.ratings == OptimizeArguments::Ratings::kRespect));
   parts.push_back(fmt::format("{} {} {} {} {}", a.plan.scatter.scatter.value_or(""), f.bumps.value_or(-1),
                               f.gains.value_or(""), fmt::join(a.plan.forbid, ","), a.plan.scatter.drops));
+  constexpr double kAbsent = std::numeric_limits<double>::infinity();
+  parts.push_back(fmt::format("{} {} {}", f.release_phi.value_or(kAbsent), f.release_rate.value_or(kAbsent),
+                              f.from.value_or(kAbsent)));
   parts.push_back(fmt::format("{}", fmt::join(a.plan.actuators, " ")));
   return checksum(fmt::format("{}", fmt::join(parts, "\n")));
 }
 
-/// What the folders of --merge hold into `out`, of which the first are the designs.
+/// Reads the journals in the folders of --merge into `out`, whose first `designs` points must then be complete.
 void merge(const std::vector<std::string>& folders, const std::string& identity, std::size_t designs,
            const Robot& robot, std::vector<TradePoint>& out) {
   for (const std::string& folder : folders) {
@@ -118,7 +122,7 @@ void merge(const std::vector<std::string>& folders, const std::string& identity,
 int run_trade(const TradeArguments& a, const CommonOptions& common) {
   Run run(kTradeOutputs, common);
   if (a.vary.empty() == a.pareto.empty()) throw InputError("trade: --vary or --pareto is needed, and not both");
-  if (!a.merge.empty() && !a.shard.empty()) throw InputError("--merge: --shard has no say: the parts say it");
+  if (!a.merge.empty() && !a.shard.empty()) throw InputError("--merge: --shard has no effect: the parts decide it");
   const BodyScene scene = scene_to_plan(a.plan, run);
   TradeOptions options{.search = plan_options(a.plan, common, scene, run)};
   if (a.plan.ratings == OptimizeArguments::Ratings::kRespect)

@@ -1,23 +1,23 @@
 'use strict';
-// The acceleration over time, drawn here: its peaks are marked, and a press on it moves the animation (fall.js).
+// The plot of acceleration over time: peaks are marked, and a press on it moves the animation (fall.js).
 const curves = (() => {
-  let landings = [], box, parent, cursor, now = 0, told = () => {};
+  let landings = [], box, parent, cursor, now = 0, onPress = () => {};
   const step = (range, count) => {
     const raw = range / count, power = 10 ** Math.floor(Math.log10(raw));
     return power * ([1, 2, 5].find(m => m * power >= raw) || 10);
   };
   const x = t => box.left + t / box.end * (box.right - box.left);
-  const y = a => box.bottom - a / box.most * (box.bottom - box.top);
+  const y = a => box.bottom - a / box.maximum * (box.bottom - box.top);
   const label = (svg, text, attributes) => { make('text', attributes, svg).textContent = text; };
 
   const axes = svg => {
-    const down = step(box.most, 5), along = step(box.end, Math.max(3, (box.right - box.left) / 90));
-    const short = (value, by) => value.toFixed(Math.max(0, -Math.floor(Math.log10(by) + 1e-9)));
-    for (let a = 0; a <= box.most; a += down) {
+    const stepY = step(box.maximum, 5), stepX = step(box.end, Math.max(3, (box.right - box.left) / 90));
+    const rounded = (value, step) => value.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)));
+    for (let a = 0; a <= box.maximum; a += stepY) {
       make('line', {class: 'grid', x1: box.left, x2: box.right, y1: y(a), y2: y(a)}, svg);
-      label(svg, short(a, down), {x: box.left - 6, y: y(a) + 4, 'text-anchor': 'end'});
+      label(svg, rounded(a, stepY), {x: box.left - 6, y: y(a) + 4, 'text-anchor': 'end'});
     }
-    for (let t = 0; t <= box.end; t += along) label(svg, short(t, along), {x: x(t), y: box.bottom + 16, 'text-anchor': 'middle'});
+    for (let t = 0; t <= box.end; t += stepX) label(svg, rounded(t, stepX), {x: x(t), y: box.bottom + 16, 'text-anchor': 'middle'});
     label(svg, 'acceleration [m/s²]', {x: box.left, y: box.top - 10});
     label(svg, 'time from release [s]', {x: box.right, y: box.bottom + 32, 'text-anchor': 'end'});
   };
@@ -37,7 +37,7 @@ const curves = (() => {
     if (!landings.length) return;
     const width = Math.max(280, parent.clientWidth), height = 260;
     box = {left: 48, right: width - 8, top: 28, bottom: height - 40, end: Math.max(...landings.map(l => l.t[l.t.length - 1])),
-           most: 1.08 * Math.max(1e-9, ...landings.flatMap(l => l.acc))};
+           maximum: 1.08 * Math.max(1e-9, ...landings.flatMap(l => l.acc))};
     const svg = make('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'acceleration over time'});
     axes(svg);
     cursor = make('line', {class: 'cursor', y1: box.top, y2: box.bottom}, svg);
@@ -46,7 +46,7 @@ const curves = (() => {
     const press = event => {
       if (event.buttons !== 1 && event.type !== 'pointerdown') return;
       const shown = svg.getBoundingClientRect(), at = (event.clientX - shown.left) * width / shown.width;
-      told(Math.min(box.end, Math.max(0, (at - box.left) / (box.right - box.left) * box.end)));
+      onPress(Math.min(box.end, Math.max(0, (at - box.left) / (box.right - box.left) * box.end)));
     };
     svg.addEventListener('pointerdown', press);
     svg.addEventListener('pointermove', press);
@@ -55,7 +55,7 @@ const curves = (() => {
   window.addEventListener('resize', draw);
   return {
     show(node, of) { parent = node, landings = of; draw(); },
-    onTime(tell) { told = tell; },
+    onTime(callback) { onPress = callback; },
     time,
   };
 })();

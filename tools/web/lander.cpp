@@ -22,16 +22,16 @@ using namespace landing;
 
 namespace {
 
-constexpr double kRate = 1000;  ///< rows of a trajectory [Hz]
+constexpr double kRate = 1000;  ///< rows of a trajectory per second [Hz]
 
-/// Empty for a landing.
+/// Why there is no landing; empty: there is one.
 std::string failure_of(const RunEnd& run) {
   if (run.end == End::kNoContact) return "Nothing touches the floor: there is no landing.";
   return no_landing(run.end) ? std::string("The landing cannot be followed: ") + reason(run) + "." : "";
 }
 
-void add(const std::vector<std::string>& more, std::vector<std::string>& to) {
-  to.insert(to.end(), more.begin(), more.end());
+void append(const std::vector<std::string>& items, std::vector<std::string>& to) {
+  to.insert(to.end(), items.begin(), items.end());
 }
 
 /// The paper's robot.
@@ -42,7 +42,7 @@ class TwoLinkLander : public Lander {
 
   std::vector<std::string> drop_keys() const override { return {"height", "pitch", "forward_speed", "pitch_rate"}; }
   std::vector<Variable> variables() const override { return space_.variables(); }
-  MotionValues holding() const override { return space_.values_of(kHeld); }
+  MotionValues hold_values() const override { return space_.values_of(kHeld); }
   std::string hold_arguments() const override { return "--hold -45"; }
   std::string motion_toml(const MotionValues& values) const override {
     return to_toml(space_.play(values).motion, "A motion of ukemi's page.");
@@ -60,7 +60,7 @@ class TwoLinkLander : public Lander {
     const SeaParameters<double>& sea = actuator_.sea;
     const Landing l = simulate(scene_, sea, motion, {}, kRate);
     std::vector<std::string> doubts = landing_doubts(instability(scene_, sea, motion), sea.tau_max);
-    add(landing_doubts(l), doubts), add(landing_doubts(ratings(scene_, actuator_, motion, l)), doubts);
+    append(landing_doubts(l), doubts), append(landing_doubts(ratings(scene_, actuator_, motion, l)), doubts);
     return {l.peak, failure_of(l), animation(name, l, {}, scene_.robot.link_length), doubts};
   }
 
@@ -83,7 +83,7 @@ class BodyLander : public Lander {
     return {"height", "pitch", "forward_speed", "pitch_rate"};
   }
   std::vector<Variable> variables() const override { return space_ ? space_->variables() : std::vector<Variable>(); }
-  MotionValues holding() const override {
+  MotionValues hold_values() const override {
     return space_ ? MotionValues(space_->values(space_->unit(held_posture(scene_)))) : MotionValues();
   }
   std::string hold_arguments() const override { return ""; }
@@ -108,7 +108,7 @@ class BodyLander : public Lander {
     const BodyLanding l = simulate(scene_, motion, {}, kRate);
     std::vector<std::string> doubts = landing::doubts(scene_);
     if (!scene_.floor) doubts.push_back("the scene has no [floor]: nothing can touch");
-    add(landing_doubts(scene_, motion, l), doubts);
+    append(landing_doubts(scene_, motion, l), doubts);
     return {l.peak, failure_of(l), animation(name, scene_, l), doubts};
   }
 

@@ -1,5 +1,5 @@
-// The page's engine: a request of its script in, an answer out, both JSON. Each holds all that it is about; nothing
-// stays.
+// The page's engine: answers requests of the page's script, both JSON. Stateless: a request holds all its files and
+// numbers.
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -30,11 +30,11 @@ Json json_of(const SceneNumber& n) {
           {"high", n.high},
           {"logarithmic", n.logarithmic}};
 }
-/// What the page can turn, as the files have it.
+/// The adjustable numbers with their values in the files.
 Json opened(const Lander& lander, const std::string& scene) {
   Json out = {{"hold", lander.hold_arguments()}, {"numbers", Json::array()}, {"motion", Json::array()}};
   for (const SceneNumber& n : scene_numbers(scene, lander.drop_keys())) out["numbers"].push_back(json_of(n));
-  const landing::MotionValues held = lander.holding();
+  const landing::MotionValues held = lander.hold_values();
   const std::vector<landing::Variable> variables = lander.variables();
   for (std::size_t k = 0; k < variables.size(); ++k) {
     const landing::Variable& v = variables[k];
@@ -50,7 +50,7 @@ landing::MotionValues values_of(const Json& list) {
   return out;
 }
 
-/// The landing of a motion, null for the held posture, and beside it holding still.
+/// Landings of a motion (null: the held posture) and of the held posture.
 Json landed(const Lander& lander, const Json& motion) {
   const Played held = lander.held();
   Json out = {{"held", held.peak}, {"landings", Json::array()}};
@@ -67,10 +67,11 @@ Json landed(const Lander& lander, const Json& motion) {
   return out;
 }
 
-/// What a time of searching finds, or null.
+/// The motion that a search of `seconds` finds, or null.
 Json planned(const Lander& lander, const Json& request) {
   const Json& from = request["motion"];
-  const auto best = lander.plan(request["seconds"].get<double>(), from.is_null() ? lander.holding() : values_of(from));
+  const auto best =
+      lander.plan(request["seconds"].get<double>(), from.is_null() ? lander.hold_values() : values_of(from));
   return {{"motion", best ? Json(std::vector<double>(best->begin(), best->end())) : Json()}};
 }
 
@@ -95,12 +96,12 @@ Json answer(const Json& request) {
 
 }  // namespace ukemi::tools
 
-/// The answer to a request; it stays until the next. What is wrong with a file is {"error": "FILE:LINE:COLUMN: ..."}.
+/// The answer to a request, valid until the next call; {"error": "FILE:LINE:COLUMN: ..."} for a bad file.
 extern "C" const char* ukemi_answer(const char* request) {
   using ukemi::tools::Json;
   static std::string text;
   try {
-    std::filesystem::create_directories("/a/b/c/scenes");  // so deep that names may lead upwards
+    std::filesystem::create_directories("/a/b/c/scenes");  // so deep that relative paths may lead upwards
     std::filesystem::current_path("/a/b/c/scenes");
     text = ukemi::tools::answer(Json::parse(request)).dump();
   } catch (const std::exception& e) {

@@ -1,10 +1,10 @@
-// The page: which scene is open, what its numbers are, and what the engine answers.
+// State and controls of the page: the open scene, its numbers, and the engine's answers.
 (() => {
   const node = id => document.getElementById(id);
   const {element} = fall;
   const base = path => path.replace(/^.*[/\\]/, '');
 
-  // --- the engine, in a worker: one question after the other ---
+  // --- the engine, in a worker: one request at a time ---
   const worker = new Worker(URL.createObjectURL(new Blob([node('engine').textContent], {type: 'text/javascript'})));
   worker.postMessage(node('wasm').textContent);
   const waiting = [];
@@ -17,30 +17,30 @@
     if (waiting.length) worker.postMessage(waiting[0].question);
   };
 
-  // --- files: the shipped ones by their paths, those that were opened by their names ---
+  // --- files: shipped ones by path, opened ones by name ---
   const shipped = new Map([...document.querySelectorAll('script.file')].map(s => [s.dataset.path, s.textContent]));
   const kind = text => /^\s*\[drop\]/m.test(text) ? 'scene' : /^\s*\[\[robot\.link\]\]/m.test(text) ? 'robot'
     : /^\s*\[actuator\]/m.test(text) ? 'actuator' : 'other';
   const ofLinks = text => /^\s*robot\s*=/m.test(text) || /^\s*\[\[robot\.link\]\]/m.test(text);
-  const named = text => [...text.replace(/#.*$/gm, '').matchAll(/\b(?:robot|file)\s*=\s*"([^"]+)"/g)].map(m => m[1]);
-  // The text of what a scene's folder sees at a path.
-  const textAt = (path, opened, by) => {
+  const references = text => [...text.replace(/#.*$/gm, '').matchAll(/\b(?:robot|file)\s*=\s*"([^"]+)"/g)].map(m => m[1]);
+  // Text of the file at a path relative to the scenes' folder; `referrer`: name of the file that refers to it.
+  const textAt = (path, opened, referrer) => {
     const name = base(path);
-    if (opened.has(name) && name !== by) return opened.get(name);
+    if (opened.has(name) && name !== referrer) return opened.get(name);
     const text = shipped.get(new URL(path, 'file:///scenes/').pathname.slice(1));
-    if (text === undefined) throw new Error(`${name} is missing: open it together with ${by}, which names it.`);
+    if (text === undefined) throw new Error(`${name} is missing: open it together with ${referrer}, which names it.`);
     return text;
   };
-  // A file with all that it names, each at the path that it is named by. Throws for one that is not open.
-  const gathered = (path, opened, by = '', out = {}) => {
-    out[path] = textAt(path, opened, by);
-    for (const name of named(out[path])) {
+  // A file and all files that it refers to, by path. Throws where one is missing.
+  const gathered = (path, opened, referrer = '', out = {}) => {
+    out[path] = textAt(path, opened, referrer);
+    for (const name of references(out[path])) {
       const next = name.startsWith('/') ? name : path.replace(/[^/]*$/, '') + name;
       if (!(next in out)) gathered(next, opened, base(path), out);
     }
     return out;
   };
-  // A robot without a scene is dropped on a floor that is assumed.
+  // A scene for a robot without one: a drop on an assumed floor.
   const dropOf = (name, text) => `# ${name}, dropped on a floor that is assumed.
 robot = "${name}"
 
@@ -56,15 +56,15 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
 `;
 
   // --- what is open ---
-  let open = null;       // files, scene, actuator and its words, numbers that were moved, motion or null: held
-  let controls = null;   // what can be turned, as the engine told it
+  let open = null;       // files, scene, actuator and its words, changed numbers, motion (null: held)
+  let controls = null;   // adjustable numbers, as answered by the engine
   const question = (what, more) => ({...open, ...more, do: what});
-  const fail = text => { node('error').textContent = text; };
-  const settled = yes => { document.body.dataset.state = yes ? 'ready' : 'busy'; };
+  const showError = text => { node('error').textContent = text; };
+  const setReady = ready => { document.body.dataset.state = ready ? 'ready' : 'busy'; };
 
-  const begin = async (name, opened, actuator) => {
-    settled(false);
-    fail('');
+  const openScene = async (name, opened, actuator) => {
+    setReady(false);
+    showError('');
     try {
       const files = gathered(name, opened);
       const scene = {files, scene: name, actuator, actuatorWords: actuator, numbers: {}, motion: null};
@@ -77,12 +77,12 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
       build();
       await land();
     } catch (error) {
-      fail(error.message);
+      showError(error.message);
     }
-    settled(true);
+    setReady(true);
   };
 
-  const beginWith = async list => {
+  const openFiles = async list => {
     const opened = new Map(await Promise.all([...list].map(async file => [file.name, await file.text()])));
     const names = wanted => [...opened.keys()].filter(name => kind(opened.get(name)) === wanted);
     const [robot] = names('robot');
@@ -91,14 +91,14 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
       scene = robot.replace(/(\.toml)?$/, '_drop.toml');
       opened.set(scene, dropOf(robot, opened.get(robot)));
     }
-    // What is none of these is given to the reader, which says what it lacks.
+    // Any other file is passed to the engine, whose error says what it lacks.
     scene = scene || [...opened.keys()][0];
-    const uses = [...opened.values()].flatMap(named).map(base);
-    await begin(scene, opened, names('actuator').find(name => !uses.includes(name)) || '');
+    const uses = [...opened.values()].flatMap(references).map(base);
+    await openScene(scene, opened, names('actuator').find(name => !uses.includes(name)) || '');
     scenes.value = '';
   };
 
-  // --- numbers that can be turned ---
+  // --- adjustable numbers ---
   const degrees = unit => unit === 'rad' ? 180 / Math.PI : 1;
   const shownUnit = unit => unit === 'rad' ? '°' : unit === 'deg' ? '°' : unit === '1' ? '' : ' ' + unit;
   const shown = (value, unit) => Number((value * degrees(unit)).toPrecision(4)) + shownUnit(unit);
@@ -108,7 +108,7 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
     return {phi_i: `${of}, until the touchdown`, phi_f: `${of}, at the end`, duration: joint ? `time of ${joint}'s motion` : 'time of the motion',
             gain_p: `${of}, factor of K_p`, gain_d: `${of}, factor of K_d`, to: 'end of the move in the air'}[what] || `${of}, shape term ${what}`;
   };
-  // A slider over a range; on a logarithmic one equal ways are equal factors.
+  // A slider over a range, linear or logarithmic.
   class Slider {
     constructor(n, label, parent, moved) {
       this.n = n;
@@ -152,10 +152,10 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
   };
   const showMotion = () => motionSliders.forEach((s, k) => s.show(open.motion ? open.motion[k] : s.n.value));
 
-  // --- a landing: the latest that was asked for ---
-  let player = null, landing = false, again = false;
+  // --- landing; of several requests only the latest is shown ---
+  let player = null, landing = false, pending = false;
   const show = answer => {
-    fail(answer.error || answer.failure || '');
+    showError(answer.error || answer.failure || '');
     if (answer.error) return;
     const sentence = node('sentence');
     sentence.textContent = answer.failure ? 'There is no landing.' : answer.sentence.replace('m/s^2', 'm/s²');
@@ -177,28 +177,28 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
     node('plan').disabled = node('hold').disabled = !controls.motion.length;
   };
   const land = async () => {
-    again = true;
+    pending = true;
     if (landing) return;
     landing = true;
-    settled(false);
-    while (again) {
-      again = false;
+    setReady(false);
+    while (pending) {
+      pending = false;
       show(await ask(question('land')));
     }
     landing = false;
-    settled(true);
+    setReady(true);
   };
 
-  // --- what is pressed ---
+  // --- buttons ---
   node('plan').addEventListener('click', async () => {
     const button = node('plan'), before = button.textContent;
-    settled(false);
+    setReady(false);
     button.disabled = true, button.textContent = 'Planning …';
     const answer = await ask(question('plan', {seconds: 1}));
     button.disabled = false, button.textContent = before;
     if (answer.motion) open.motion = answer.motion, showMotion();
     await land();
-    if (!answer.motion) fail(answer.error || 'No motion was found that can be followed.');
+    if (!answer.motion) showError(answer.error || 'No motion was found that can be followed.');
   });
   node('hold').addEventListener('click', () => { open.motion = null; showMotion(); land(); });
   node('reset').addEventListener('click', () => { open.numbers = {}, open.motion = null; build(); land(); });
@@ -210,19 +210,19 @@ ${/^\s*base\s*=\s*"pinned"/m.test(text) ? '' : 'height = 0.3               # m\n
   };
   const save = async what => {
     const answer = await ask(question('save'));
-    if (answer.error) return fail(answer.error);
+    if (answer.error) return showError(answer.error);
     download(what === 'scene' ? open.scene : 'motion.toml', answer[what]);
   };
   node('save').addEventListener('click', () => save('scene'));
   node('save-motion').addEventListener('click', () => save('motion'));
   node('open').addEventListener('change', async event => {
-    await beginWith(event.target.files);
+    await openFiles(event.target.files);
     event.target.value = '';  // so that the same file can be opened again
   });
 
   const scenes = node('scenes');
   for (const path of shipped.keys())
     if (path.startsWith('scenes/')) Object.assign(element('option', scenes, base(path).replace('.toml', '')), {value: base(path)});
-  scenes.addEventListener('change', () => begin(scenes.value, new Map(), ''));
-  begin(scenes.value, new Map(), '');
+  scenes.addEventListener('change', () => openScene(scenes.value, new Map(), ''));
+  openScene(scenes.value, new Map(), '');
 })();

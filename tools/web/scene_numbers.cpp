@@ -34,7 +34,7 @@ constexpr std::array<FloorNumber, 5> kFloor = {{{"stiffness", "stiffness", "N/m"
                                                 {"stiffness_tangential", "stiffness, tangential", "N/m"},
                                                 {"friction", "friction", "1"}}};
 
-/// From the value as it is in the file; a range that does not hold it is widened.
+/// A number of [drop] with its value in the file; its range is widened to contain the value.
 SceneNumber of_drop(const DropNumber& n, TomlSection& drop) {
   const bool angle = n.unit == std::string("deg");
   const double value = angle ? drop.angle(n.key) * kDegrees : drop.optional_number(n.key, Range::any()).value_or(0);
@@ -47,13 +47,13 @@ SceneNumber of_drop(const DropNumber& n, TomlSection& drop) {
           false};
 }
 SceneNumber of_floor(const FloorNumber& n, double value) {
-  constexpr double kTimes = 10, kMost = 100;  // a number above 0 either way; one that is 0 up to so much
+  constexpr double kFactor = 10, kMax = 100;  // range of a positive number; maximum of one that is 0
   const std::string name = std::string("floor.") + n.key;
-  if (value > 0) return {name, n.words, n.unit, value, value / kTimes, value * kTimes, true};
-  return {name, n.words, n.unit, value, 0, kMost, false};
+  if (value > 0) return {name, n.words, n.unit, value, value / kFactor, value * kFactor, true};
+  return {name, n.words, n.unit, value, 0, kMax, false};
 }
 
-/// The constants of a drive in the place of its file's name.
+/// Replaces the file name in the table of a joint's drive by the drive's constants.
 void set_constants(TomlEdit& edit, const landing::Joint& joint) {
   const TomlEdit::Place drive{"drive", joint.name};
   if (edit.text_at(drive, "file").empty()) return;
@@ -62,7 +62,7 @@ void set_constants(TomlEdit& edit, const landing::Joint& joint) {
   if (joint.speed_max) edit.set(drive, "speed_max", *joint.speed_max);
   if (joint.sea.feedback == Feedback::kMotor) edit.set(drive, "feedback", std::string(name(joint.sea.feedback)));
   const auto& constants = actuator_constants();
-  for (std::size_t k = constants.size(); k-- > 0;) {  // each goes in front of those before it
+  for (std::size_t k = constants.size(); k-- > 0;) {  // each is inserted before the previous ones
     const double value = joint.sea.*constants[k].at;
     if (k < kConstants || value != constants[k].absent) edit.set(drive, constants[k].key, value);
   }
@@ -88,7 +88,7 @@ std::string with_numbers(const std::string& scene, const std::map<std::string, d
     const std::size_t dot = name.find('.');
     const TomlEdit::Place table{name.substr(0, dot)};
     const std::string key = name.substr(dot + 1);
-    if (key == "pitch_deg") edit.remove(table, "pitch");  // the same in radians
+    if (key == "pitch_deg") edit.remove(table, "pitch");  // the key in radians
     edit.set(table, key, value);
   }
   return edit.text();

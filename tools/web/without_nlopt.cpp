@@ -1,5 +1,4 @@
-// The page has neither NLopt nor derivatives: its plans are found by the searches that are ours. What the library would
-// ask them for.
+// Stubs of NLopt and of derivatives, which the page lacks: its plans are found by our own derivative-free searches.
 #include <stdexcept>
 
 #include "landing/derivatives/body_gradient.hpp"
@@ -19,7 +18,7 @@ const std::vector<std::string>& nlopt_names() {
   return none;
 }
 NloptResult minimize(const std::string&, const NloptProblem&, const NloptStop&, std::uint64_t) { absent(); }
-/// Looks at no point: where gradients better nothing, a plan is refined by a narrow distribution.
+/// Evaluates no point; plans are then refined by sampling a narrow distribution.
 int minimize_epigraph(const EpigraphProblem&, double) { return 0; }
 
 PeakGradients<kQuinticParameters> quintic_peaks(const Scene&, const SeaParameters<double>&, const Motion&,

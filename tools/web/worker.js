@@ -1,5 +1,5 @@
 
-// Answers one request after the other, away from the page. The first message is the engine's code, packed.
+// Worker that answers one request at a time. The first message is the engine's WebAssembly, gzipped and in base64.
 const unpacked = async text => {
   const bytes = Uint8Array.from(atob(text.trim()), c => c.charCodeAt(0));
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();

@@ -1,4 +1,4 @@
-// The page's style and script, style.css and the scripts of this folder, as the build puts them into the program.
+// The page's style and scripts, which the build embeds from this folder (assets.cpp.in).
 #pragma once
 
 namespace ukemi::tools {

@@ -1,8 +1,8 @@
 'use strict';
-// Curves that one can look into. The drawings stand in the page as gnuplot made them; where one is zoomed, the same lines are
-// drawn larger over it, with axes of their own. Nothing here is needed to see the whole.
+// Zoom and read-out of figures. gnuplot's drawings stay in the page; a zoomed one is covered by its lines, enlarged, with axes
+// of their own. The page is complete without this script.
 const curves = (() => {
-  // Ticks of an axis from low to high, some `count`, as [value, text]; on a logarithmic one over more than a decade 1, 2 and 5.
+  // About `count` ticks [value, text] from low to high; on a logarithmic axis over more than a decade 1, 2 and 5 times 10^k.
   const ticks = (low, high, count, log) => {
     const out = [];
     if (log && high / low > 10) {
@@ -19,12 +19,12 @@ const curves = (() => {
   const words = label => label.replace(/ *\[[^\]]*\]/, '');
   const unit = label => (/\[([^\]]*)\]/.exec(label) || ['', ''])[1];
 
-  // The lines of a panel as gnuplot drew them, in its pixels: {name, node, x, y, dots}; a new piece begins where `first` says so.
+  // The lines that gnuplot drew in a panel, in its pixels: {name, node, x, y, first, dots}; `first`: whether a piece begins there.
   const linesOf = (svg, index, p) => {
     const out = [];
     for (const group of svg.querySelectorAll(`[data-curve^="${index},"]`)) {
       const name = p.names[Number(group.dataset.curve.split(',')[1])] || '';
-      const inside = y => y > p.top - 2;  // above stands the key
+      const inside = y => y > p.top - 2;  // the key is above
       for (const node of group.querySelectorAll('path')) {
         const line = {name, node, x: [], y: [], first: []};
         for (const [, letter, x, y] of node.getAttribute('d').matchAll(/([ML])(-?[\d.]+),(-?[\d.]+)/g))
@@ -41,7 +41,7 @@ const curves = (() => {
     return out;
   };
 
-  // A panel of a figure: `range` is what its axis shows as a whole, on a logarithmic one in decades.
+  // A panel of a figure; `range`: its whole x range, as a logarithm on a logarithmic axis.
   class Panel {
     constructor(figure, index, p) {
       this.svg = figure.svg, this.p = p;
@@ -67,28 +67,28 @@ const curves = (() => {
       this.at(this.cursor, undefined), this.at(this.reader, undefined);
     }
     has(x, y) { return x >= this.p.left && x <= this.p.right && y >= this.p.top && y <= this.p.bottom; }
-    // Pixels of the whole drawing and numbers of the axis.
+    // From a coordinate u on the axis to pixels, and back in the current view.
     pixel(u, [low, high]) { return this.p.left + (u - low) / (high - low) * (this.p.right - this.p.left); }
     number(x) { return this.view[0] + (x - this.p.left) / (this.p.right - this.p.left) * (this.view[1] - this.view[0]); }
     height(y) {
       const {top, bottom, log} = this.p, [low, high] = this.p.y.map(this.to), u = low + (bottom - y) / (bottom - top) * (high - low);
       return log ? 10 ** u : u;
     }
-    // What the lines span in y between two pixels of the whole drawing, with some room.
+    // Range of the lines in y between two x of the whole drawing [px], with a margin.
     span(from, to) {
       let low = Infinity, high = -Infinity;
       for (const l of this.lines)
         for (let i = 0; i < l.x.length; ++i) {
-          const before = !l.dots && i > 0 && !l.first[i] && l.x[i] > from && l.x[i - 1] < to;
-          if (!(l.x[i] >= from && l.x[i] <= to) && !before) continue;
-          // Where a line comes in or goes out, its height at the edge.
-          const cut = (x, y, ox, oy) => x < from ? y + (from - x) / (ox - x) * (oy - y) : x > to ? y + (x - to) / (x - ox) * (oy - y) : y;
-          const ys = before ? [cut(l.x[i], l.y[i], l.x[i - 1], l.y[i - 1]), cut(l.x[i - 1], l.y[i - 1], l.x[i], l.y[i])] : [l.y[i]];
+          const crosses = !l.dots && i > 0 && !l.first[i] && l.x[i] > from && l.x[i - 1] < to;
+          if (!(l.x[i] >= from && l.x[i] <= to) && !crosses) continue;
+          // Height of a line where it crosses the edge of the interval.
+          const heightAtEdge = (x, y, ox, oy) => x < from ? y + (from - x) / (ox - x) * (oy - y) : x > to ? y + (x - to) / (x - ox) * (oy - y) : y;
+          const ys = crosses ? [heightAtEdge(l.x[i], l.y[i], l.x[i - 1], l.y[i - 1]), heightAtEdge(l.x[i - 1], l.y[i - 1], l.x[i], l.y[i])] : [l.y[i]];
           low = Math.min(low, ...ys), high = Math.max(high, ...ys);
         }
       if (!(low <= high)) return [this.p.top, this.p.bottom];
-      const room = Math.max(.08 * (high - low), .02);
-      return [low - room, high + room];
+      const margin = Math.max(.08 * (high - low), .02);
+      return [low - margin, high + margin];
     }
     show(view) {
       this.view = view;
@@ -107,7 +107,7 @@ const curves = (() => {
         if (px >= left && px <= right && py >= top && py <= bottom) this.text(px, Math.max(py - 6, top + 10), 'middle', text);
       }
     }
-    // The pixel of a value in the whole drawing.
+    // y of a value in the whole drawing [px].
     place(value) {
       const [low, high] = this.p.y.map(this.to);
       return this.p.bottom - (this.to(value) - low) / (high - low) * (this.p.bottom - this.p.top);
@@ -132,20 +132,20 @@ const curves = (() => {
         make('path', {class: 'level', d: `M${left} ${y}H${right}`}, this.axes), this.text(right - 6, y - 4 < top + 10 ? y + 14 : y - 4, 'end', text);
       }
     }
-    // Puts a line across at a number of the axis, or nowhere.
+    // Places a vertical line at u on the axis; hides it outside the view.
     at(line, u) {
       const inside = u >= this.view[0] && u <= this.view[1], x = inside ? this.pixel(u, this.view) : 0;
       line.style.display = inside ? '' : 'none';
       line.setAttribute('x1', x), line.setAttribute('x2', x);
     }
-    // What the lines are at a number of the axis: "best motion 195.3".
+    // Values of the lines at u on the axis: "best motion 195.3".
     read(u) {
-      const x = this.pixel(u, this.range), out = [], near = (this.box[1] - this.box[0]) / 100;
+      const x = this.pixel(u, this.range), out = [], tolerance = (this.box[1] - this.box[0]) / 100;
       for (const l of this.lines) {
         let y;
         if (l.dots) {
           const nearest = l.x.reduce((best, at, i) => Math.abs(at - x) < Math.abs(l.x[best] - x) ? i : best, 0);
-          if (Math.abs(l.x[nearest] - x) <= near) y = l.y[nearest];
+          if (Math.abs(l.x[nearest] - x) <= tolerance) y = l.y[nearest];
         } else {
           for (let i = 1; i < l.x.length; ++i)
             if (!l.first[i] && l.x[i - 1] <= x && x <= l.x[i])
@@ -159,7 +159,7 @@ const curves = (() => {
     }
   }
 
-  // Figures with one axis: those over the time of the landing together, each other by itself.
+  // Figures that share an x axis: all those over the time of the landing; every other figure is a group of its own.
   class Group {
     constructor() { this.figures = []; }
     get panels() { return this.figures.flatMap(f => f.panels); }
@@ -168,9 +168,9 @@ const curves = (() => {
       this.view = this.whole;
     }
     show(low, high) {
-      const [least, most] = this.whole, span = Math.min(most - least, Math.max(high - low, (most - least) / 2000));
-      const begin = Math.min(Math.max(low, least), most - span), all = span > .9999 * (most - least);
-      this.view = all ? this.whole : [begin, begin + span];
+      const [first, last] = this.whole, span = Math.min(last - first, Math.max(high - low, (last - first) / 2000));
+      const start = Math.min(Math.max(low, first), last - span), all = span > .9999 * (last - first);
+      this.view = all ? this.whole : [start, start + span];
       for (const p of this.panels) p.show(all ? p.range : this.view);
       for (const f of this.figures) f.all.disabled = all;
       this.time(this.t), this.read(this.reading);
@@ -179,15 +179,15 @@ const curves = (() => {
       const at = Math.min(Math.max(about, this.view[0]), this.view[1]);
       this.show(at - (at - this.view[0]) * factor, at + (this.view[1] - at) * factor);
     }
-    pan(part) {
-      const by = part * (this.view[1] - this.view[0]);
-      this.show(this.view[0] + by, this.view[1] + by);
+    pan(fraction) {
+      const shift = fraction * (this.view[1] - this.view[0]);
+      this.show(this.view[0] + shift, this.view[1] + shift);
     }
     time(t) {
       this.t = t;
       for (const p of this.panels) p.at(p.cursor, t);
     }
-    // Shows what the lines are there; undefined: nowhere.
+    // Shows the values of the lines at u; undefined: none.
     read(u) {
       this.reading = u;
       for (const p of this.panels) p.at(p.reader, u);
@@ -224,7 +224,7 @@ const curves = (() => {
       const {x_label, log} = this.panels[0].p, x = log ? 10 ** u : u;
       this.said.textContent = read.length ? `${words(x_label)} ${Number(x.toPrecision(5))} ${unit(x_label)} — ${read.join('; ')}` : 'Drag, + or − to zoom; point to read.';
     }
-    // The panel and the number of its axis under the pointer.
+    // The panel under the pointer and the coordinate u on its axis.
     under(event) {
       const point = new DOMPoint(event.clientX, event.clientY).matrixTransform(this.svg.getScreenCTM().inverse());
       const panel = this.panels.find(p => p.has(point.x, point.y));
@@ -252,8 +252,8 @@ const curves = (() => {
         from.dragged ||= Math.abs(point.x - from.point.x) > 4;
         if (!from.dragged) return;
         if (event.shiftKey) {
-          const by = (from.point.x - point.x) / (from.panel.p.right - from.panel.p.left) * (from.view[1] - from.view[0]);
-          return group.show(from.view[0] + by, from.view[1] + by);
+          const shift = (from.point.x - point.x) / (from.panel.p.right - from.panel.p.left) * (from.view[1] - from.view[0]);
+          return group.show(from.view[0] + shift, from.view[1] + shift);
         }
         this.select.style.display = '', box(point);
       });
@@ -266,7 +266,7 @@ const curves = (() => {
       svg.addEventListener('pointercancel', () => { from = undefined, this.select.style.display = 'none'; });
       svg.addEventListener('pointerleave', () => from || group.read(undefined));
       svg.addEventListener('dblclick', () => group.show(...group.whole));
-      // The wheel scrolls the page until the figure is chosen, by a click or by Tab; a pinch comes as a wheel with Ctrl.
+      // The wheel scrolls the page unless the figure has the focus; a pinch arrives as a wheel event with Ctrl.
       svg.addEventListener('wheel', event => {
         const {u} = this.under(event);
         if (u === undefined || !(event.ctrlKey || document.activeElement === svg)) return;
@@ -300,9 +300,9 @@ const curves = (() => {
   }
   for (const g of groups) if (g.figures.length) g.start(), g.show(...g.whole);
   return {
-    // The animation is at that time.
+    // Moves the cursor to the time of the animation.
     time: t => { if (time.figures.length) time.time(t); },
-    // `act` is called with the time that a reader chose in a figure.
+    // Registers a callback for the time that is chosen in a figure.
     onTime: act => { time.onTime = act; },
   };
 })();

@@ -1,5 +1,5 @@
 'use strict';
-// The animation of landings, which the figures over time follow.
+// The animation of landings; figures over time follow it.
 const fall = (() => {
   const element = (name, parent, text) => {
     const node = parent.appendChild(document.createElement(name));
@@ -8,9 +8,9 @@ const fall = (() => {
   };
   const circled = n => n <= 20 ? String.fromCodePoint(0x245f + n) : '(' + n + ')';
 
-  // The index of the last row at or before a time, and how far it is from there to the next.
-  // Of the two rows of an event the second: what begins there, as a peak that jumps. Times are rounded to 1 us.
-  const place = (times, t) => {
+  // Index of the last row at or before a time, and the fraction of the interval to the next row. Of the two rows of an event it
+  // is the second, after the jump. Times are rounded to 1 us.
+  const findRow = (times, t) => {
     const rounding = 1e-6;
     let low = 0, high = times.length - 1;
     if (t >= times[high]) return [high, 0];
@@ -22,19 +22,19 @@ const fall = (() => {
     return [low, step > 0 ? Math.max(0, (t - times[low]) / step) : 0];
   };
 
-  // Columns of a landing at a row, or a part of the way to the next.
+  // Interpolates columns of a landing between row i and the next.
   const between = (l, i, part) => {
     const k = Math.min(i + 1, l.t.length - 1);
     return column => column[i] + part * (column[k] - column[i]);
   };
 
-  // Hip, knee and foot of a posture: r_0 is the thigh's middle, angles as in the theory.
+  // Hip, knee and foot of a posture; (x, y) is the middle of the thigh.
   const posture = (x, y, phi0, phi1, length) => {
     const a = length / 2, s = Math.sin(phi0), c = Math.cos(phi0), s1 = Math.sin(phi0 + phi1), c1 = Math.cos(phi0 + phi1);
     const knee = [x + a * s, y - a * c];
     return [[x - a * s, y + a * c], knee, [knee[0] + length * s1, knee[1] - length * c1]];
   };
-  // What is drawn of a landing at a row: its links, its contacts and the point that leaves a trace. `mix` reads columns.
+  // Links, contacts and traced point of a landing at one time; `mix` interpolates a column.
   const shape = (l, mix, length) => {
     if (!l.links) {
       const p = posture(mix(l.x), mix(l.y), mix(l.phi_0), mix(l.phi_1), length);
@@ -85,15 +85,15 @@ const fall = (() => {
               angles: l.links ? l.joints.map(j => j.name + ' ' + degrees(j.phi)).join(', ') : 'joint ' + degrees(l.phi_1)};
     }
     show(t) {
-      const [i, part] = place(this.landing.t, t), now = this.at(i, part);
-      this.links.forEach((line, k) => line.setAttribute('points', points(now.links[k])));
+      const [i, part] = findRow(this.landing.t, t), frame = this.at(i, part);
+      this.links.forEach((line, k) => line.setAttribute('points', points(frame.links[k])));
       for (const [ghost, line] of this.ghosts)
         line.setAttribute('points', points(shape(ghost, between(ghost, ...place(ghost.t, t)), this.landing.length).joints));
-      this.trace.setAttribute('points', points(this.traced.slice(0, i + 1).concat([now.trace])));
-      if (this.target) this.target.setAttribute('cx', now.trace[0]), this.target.setAttribute('cy', -now.trace[1]);
+      this.trace.setAttribute('points', points(this.traced.slice(0, i + 1).concat([frame.trace])));
+      if (this.target) this.target.setAttribute('cx', frame.trace[0]), this.target.setAttribute('cy', -frame.trace[1]);
       const touching = [];
       this.names.forEach((name, j) => {
-        const [x, y] = now.joints[j], force = now.forces[j], size = Math.hypot(force[0], force[1]);
+        const [x, y] = frame.joints[j], force = frame.forces[j], size = Math.hypot(force[0], force[1]);
         this.joints[j].setAttribute('cx', x);
         this.joints[j].setAttribute('cy', -y);
         this.joints[j].classList.toggle('touches', size > 0);
@@ -106,12 +106,12 @@ const fall = (() => {
         head.setAttribute('d', `M${ex + ux * .03} ${ey + uy * .03}L${ex - uy * .014} ${ey + ux * .014}L${ex + uy * .014} ${ey - ux * .014}Z`);
       });
       const peak = this.landing.peaks.find(p => Math.abs(p.t - t) < 1e-3);
-      // Rows are 1 ms apart, and two events may be less than the rounding apart: at a peak's own time its value is known.
-      if (peak && Math.abs(peak.t - t) < 2e-6) now.acceleration = peak.acceleration;
+      // Two events may be closer than the rounding of times: at a peak its value is exact.
+      if (peak && Math.abs(peak.t - t) < 2e-6) frame.acceleration = peak.acceleration;
       this.badge.textContent = peak ? circled(peak.n) : '';
-      this.badge.setAttribute('x', now.trace[0]);
-      this.badge.setAttribute('y', -now.trace[1] - .05);
-      this.said.textContent = `${this.target ? '|a|' : '|ddr_0|'} ${now.acceleration.toFixed(1)} m/s², ${now.angles}` +
+      this.badge.setAttribute('x', frame.trace[0]);
+      this.badge.setAttribute('y', -frame.trace[1] - .05);
+      this.said.textContent = `${this.target ? '|a|' : '|ddr_0|'} ${frame.acceleration.toFixed(1)} m/s², ${frame.angles}` +
         (touching.length ? ', floor: ' + touching.join(', ') : ', in the air') +
         (peak ? `; peak ${circled(peak.n)} of contact ${peak.contact}: ${peak.acceleration.toFixed(1)} m/s²` : '');
     }
@@ -135,8 +135,8 @@ const fall = (() => {
       curves.onTime(t => { this.pause(); this.show(t); });
       const stages = element('div', parent);
       stages.className = 'stages';
-      const box = bounds(data.landings), most = Math.max(1e-9, ...data.landings.flatMap(l => l.force.flatMap(f => f[1])));
-      this.stages = data.landings.map(l => new Stage(l, box, .3 / most, stages));
+      const box = bounds(data.landings), maxForce = Math.max(1e-9, ...data.landings.flatMap(l => l.force.flatMap(f => f[1])));
+      this.stages = data.landings.map(l => new Stage(l, box, .3 / maxForce, stages));
       this.stops = data.landings[0].peaks.map(p => p.t);
       this.build(parent, data.landings[0].peaks);
       this.show(this.stops.length ? data.landings[0].peaks.reduce((a, b) => b.acceleration > a.acceleration ? b : a).t : 0);
@@ -177,11 +177,11 @@ const fall = (() => {
       if (this.t >= this.end) this.show(0);
       this.playing = true;
       this.button.textContent = 'Pause';
-      let before;
+      let lastFrame;
       const frame = now => {
         if (!this.playing) return;
-        const from = this.t, to = from + (before === undefined ? 0 : (now - before) / 1000 * Number(this.speed.value));
-        before = now;
+        const from = this.t, to = from + (lastFrame === undefined ? 0 : (now - lastFrame) / 1000 * Number(this.speed.value));
+        lastFrame = now;
         const stop = this.pauses.checked ? this.stops.find(s => s > from + 1e-9 && s <= to) : undefined;
         this.show(stop === undefined ? to : stop);
         if (stop !== undefined || this.t >= this.end) return this.pause();

@@ -20,55 +20,55 @@ namespace ukemi::tools {
 
 namespace {
 
-/// Okabe and Ito's colours, which people tell apart who do not see red or green; style.css lightens them on dark.
+/// Colours of Okabe and Ito, distinguishable with colour blindness; style.css lightens them on dark.
 constexpr std::array<const char*, 6> kPalette = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#b07d00", "#56b4e9"};
-constexpr double kCharacter = 6.6, kLine = 16;  ///< of the letters [px]
+constexpr double kCharWidth = 6.6, kLineHeight = 16;  ///< of a character and of a line of text [px]
 
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  void add(double x) {
+  void extend(double x) {
     if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
   }
-  bool any() const { return low <= high; }
+  bool valid() const { return low <= high; }
 };
 
-std::string words_of(const std::string& text) { return gnuplot_text(printed(text)); }
+std::string gnuplot_label(const std::string& text) { return gnuplot_text(printed(text)); }
 
-double characters(const std::string& text) {
+double char_count(const std::string& text) {
   return double(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
-bool usable(double v, Axes axes) { return std::isfinite(v) && (axes == Axes::kLinear || v > 0); }
+bool drawable(double v, Axes axes) { return std::isfinite(v) && (axes == Axes::kLinear || v > 0); }
 
-/// What the data span, a little more in y; on logarithmic axes a factor.
-Range range_of(const Panel& p, bool of_x) {
+/// Range of the data, widened in y; on logarithmic axes by a factor.
+Range range_of(const Panel& p, bool along_x) {
   Range out;
   for (const Series& s : p.series) {
     for (std::size_t i = 0; i < s.x.size(); ++i)
-      if (usable(s.x[i], p.axes) && usable(s.y[i], p.axes)) out.add(of_x ? s.x[i] : s.y[i]);
-    if (of_x)
+      if (drawable(s.x[i], p.axes) && drawable(s.y[i], p.axes)) out.extend(along_x ? s.x[i] : s.y[i]);
+    if (along_x)
       for (const auto* bar : {&s.low, &s.high})
-        for (const double x : *bar) out.add(x);
-    if (of_x && s.look == Series::Look::kBars) out.add(0);
+        for (const double x : *bar) out.extend(x);
+    if (along_x && s.style == Series::Style::kBars) out.extend(0);
   }
-  if (!of_x)
-    for (const Level& l : p.levels) out.add(l.y);
-  if (!out.any()) return out;
+  if (!along_x)
+    for (const Level& l : p.levels) out.extend(l.y);
+  if (!out.valid()) return out;
   if (p.axes == Axes::kLogarithmic) return {out.low / 1.3, out.high * 1.3};
   const double span = out.high - out.low, room = span > 0 ? span : std::max(1e-12, std::abs(out.low));
-  if (of_x && span > 0 && p.rows.empty()) return out;
-  const double above = p.marks.empty() || of_x ? 0.06 : 0.14;  // the marks stand above their points
+  if (along_x && span > 0 && p.rows.empty()) return out;
+  const double above = p.marks.empty() || along_x ? 0.06 : 0.14;  // marks are above their points
   return {out.low < 0 || p.axes == Axes::kLinear ? out.low - 0.05 * room : out.low, out.high + above * room};
 }
 
-std::array<double, 2> shown_range(const Panel& p, bool of_x) {
-  if (const auto& given = of_x ? p.x_range : p.y_range) return *given;
-  if (!of_x && !p.rows.empty()) return {0.4, double(p.rows.size()) + 0.6};
-  const Range r = range_of(p, of_x);
+std::array<double, 2> shown_range(const Panel& p, bool along_x) {
+  if (const auto& given = along_x ? p.x_range : p.y_range) return *given;
+  if (!along_x && !p.rows.empty()) return {0.4, double(p.rows.size()) + 0.6};
+  const Range r = range_of(p, along_x);
   return {r.low, r.high};
 }
 
-/// The entries of the key side by side, as many as fit.
+/// Layout of the key: as many entries side by side as fit.
 struct Key {
   int columns = 1, rows = 0;
 };
@@ -76,9 +76,9 @@ Key key_of(const Panel& p, double width) {
   double longest = 0;
   int entries = 0;
   for (const Series& s : p.series)
-    if (!s.name.empty()) ++entries, longest = std::max(longest, characters(s.name));
+    if (!s.name.empty()) ++entries, longest = std::max(longest, char_count(s.name));
   if (entries == 0) return {};
-  const int columns = std::clamp(int(width / (longest * kCharacter + 46)), 1, entries);
+  const int columns = std::clamp(int(width / (longest * kCharWidth + 46)), 1, entries);
   return {columns, (entries + columns - 1) / columns};
 }
 
@@ -90,22 +90,22 @@ Canvas canvas(const Figure& f) {
   return {f.width == Figure::Width::kWhole ? 980.0 : 480.0, rows * f.panel_height};
 }
 
-Place place_of(const Figure& f, std::size_t i) {
+PanelArea area_of(const Figure& f, std::size_t i) {
   const Panel& p = f.panels[i];
   const Canvas c = canvas(f);
   const int column = int(i) % f.columns, row = int(i) / f.columns;
   const double width = c.width / f.columns, x = width * column, y = f.panel_height * row;
   double left = 62;
-  for (const std::string& name : p.rows) left = std::max(left, characters(name) * kCharacter + 14);
+  for (const std::string& name : p.rows) left = std::max(left, char_count(name) * kCharWidth + 14);
   if (p.scale == Panel::Scale::kBare) left = 6;
-  Place out{x + left,
-            x + width - 14,
-            y + 8,
-            y + f.panel_height - (p.x_label.empty() ? 24 : 44),
-            shown_range(p, true),
-            shown_range(p, false)};
-  if (!p.title.empty()) out.top += kLine;
-  out.top += kLine * key_of(p, out.right - out.left).rows;
+  PanelArea out{x + left,
+                x + width - 14,
+                y + 8,
+                y + f.panel_height - (p.x_label.empty() ? 24 : 44),
+                shown_range(p, true),
+                shown_range(p, false)};
+  if (!p.title.empty()) out.top += kLineHeight;
+  out.top += kLineHeight * key_of(p, out.right - out.left).rows;
   return out;
 }
 
@@ -115,110 +115,111 @@ std::string colour_of(int colour) {
   return kPalette[std::size_t(colour) % kPalette.size()];
 }
 
-std::string with(const Series& s, int colour) {
-  using Look = Series::Look;
-  const std::string ink = "lc rgb '" + colour_of(s.look == Look::kFaint && s.colour < 0 ? Series::kGrey : colour) + "'";
-  switch (s.look) {
-    case Look::kLine:
+std::string plot_style(const Series& s, int colour) {
+  using Style = Series::Style;
+  const std::string ink =
+      "lc rgb '" + colour_of(s.style == Style::kFaint && s.colour < 0 ? Series::kGrey : colour) + "'";
+  switch (s.style) {
+    case Style::kLine:
       return "using 1:2 with lines lw 1.6 " + ink;
-    case Look::kDashed:
+    case Style::kDashed:
       return "using 1:2 with lines lw 1.6 dt (7,4) " + ink;
-    case Look::kFaint:
+    case Style::kFaint:
       return "using 1:2 with lines lw 0.7 " + ink;
-    case Look::kThick:
+    case Style::kThick:
       return "using 1:2 with linespoints lw 4 pt 7 ps 0.5 " + ink;
-    case Look::kPoints:
+    case Style::kPoints:
       return "using 1:2 with points pt 7 ps 0.4 " + ink;
-    case Look::kIntervals:
+    case Style::kIntervals:
       return "using 1:2:3:4 with xerrorbars lw 1.6 pt 7 ps 0.7 " + ink;
-    case Look::kBars:
+    case Style::kBars:
       return "using (0):2:(0):1:($2-0.3):($2+0.3) with boxxyerror fill solid 0.75 noborder " + ink;
   }
   return "";
 }
 
-/// The data of a series as a block of gnuplot's; a blank line interrupts the line.
+/// The data of a series as a gnuplot datablock; a blank line interrupts the curve.
 std::string block(const Series& s, Axes axes, const std::string& name) {
   std::string out = "$" + name + " << END\n";
   bool gap = true;
   for (std::size_t i = 0; i < s.x.size(); ++i) {
-    const bool there = usable(s.x[i], axes) && usable(s.y[i], axes);
-    if (there)
-      out += s.look == Series::Look::kIntervals && !s.low.empty()
+    const bool is_drawable = drawable(s.x[i], axes) && drawable(s.y[i], axes);
+    if (is_drawable)
+      out += s.style == Series::Style::kIntervals && !s.low.empty()
                  ? fmt::format("{:.7g} {:.7g} {:.7g} {:.7g}\n", s.x[i], s.y[i], s.low[i], s.high[i])
                  : fmt::format("{:.7g} {:.7g}\n", s.x[i], s.y[i]);
     else if (!gap)
       out += "\n";
-    gap = !there;
+    gap = !is_drawable;
   }
   return out + "END\n";
 }
 
-/// A text in a panel, in pixels; a mark stands where it covers no other.
+/// Bounding box of a text in a panel [px].
 struct Box {
-  double x, y, width, height;  ///< of the middle
+  double x, y, width, height;  ///< (x, y): centre
   bool covers(const Box& o) const {
     return std::abs(x - o.x) < 0.5 * (width + o.width) && std::abs(y - o.y) < 0.5 * (height + o.height);
   }
 };
 
-/// How a panel's numbers become pixels of its canvas, from the top left.
+/// Map from a panel's coordinates to pixels of its canvas, from the top left.
 struct Pixels {
-  Place at;
+  PanelArea area;
   Axes axes;
-  static double part(double v, const std::array<double, 2>& range, Axes axes) {
+  static double fraction(double v, const std::array<double, 2>& range, Axes axes) {
     return axes == Axes::kLinear ? (v - range[0]) / (range[1] - range[0])
                                  : std::log(v / range[0]) / std::log(range[1] / range[0]);
   }
-  double px(double v) const { return at.left + part(v, at.x, axes) * (at.right - at.left); }
-  double py(double v) const { return at.bottom - part(v, at.y, axes) * (at.bottom - at.top); }
+  double px(double v) const { return area.left + fraction(v, area.x, axes) * (area.right - area.left); }
+  double py(double v) const { return area.bottom - fraction(v, area.y, axes) * (area.bottom - area.top); }
 };
 
 std::string label_at(const std::string& text, double x, double y, const Canvas& c, const std::string& how) {
-  return fmt::format("set label {} at screen {:.5f},{:.5f} {} front\n", words_of(text), x / c.width, 1 - y / c.height,
-                     how);
+  return fmt::format("set label {} at screen {:.5f},{:.5f} {} front\n", gnuplot_label(text), x / c.width,
+                     1 - y / c.height, how);
 }
 
-/// Beside its own place the nearest that is free and within the panel.
-Box free_place(const Box& wanted, const std::vector<Box>& taken, const Place& at) {
+/// The position nearest to `preferred` that overlaps no `taken` box and is within the panel.
+Box free_box(const Box& preferred, const std::vector<Box>& taken, const PanelArea& at) {
   for (int ring = 0; ring < 8; ++ring)
     for (int up = ring; up >= 0; --up)
       for (const int side : {1, -1}) {
-        const Box b{wanted.x + side * (ring - up) * 8.0, wanted.y - up * 8.0, wanted.width, wanted.height};
+        const Box b{preferred.x + side * (ring - up) * 8.0, preferred.y - up * 8.0, preferred.width, preferred.height};
         if (b.y > at.top - 6 && b.x > at.left && b.x < at.right &&
             std::none_of(taken.begin(), taken.end(), [&](const Box& t) { return t.covers(b); }))
           return b;
       }
-  return wanted;
+  return preferred;
 }
 
-std::string labels_of(const Panel& p, const Pixels& to, const Canvas& c) {
+std::string levels_and_marks(const Panel& p, const Pixels& to, const Canvas& c) {
   std::string out;
   std::vector<Box> taken;
   for (const Level& l : p.levels) {
-    if (!(l.y >= to.at.y[0] && l.y <= to.at.y[1])) continue;
+    if (!(l.y >= to.area.y[0] && l.y <= to.area.y[1])) continue;
     out += fmt::format(
         "set arrow from graph 0,first {0:.7g} to graph 1,first {0:.7g} nohead lw 1.2 dt (3,3) lc rgb 'black'\n", l.y);
-    const double wide = characters(l.name) * kCharacter, above = to.py(l.y) - 10,
-                 y = above < to.at.top + 4 ? above + 20 : above;
-    taken.push_back({to.at.right - 6 - wide / 2, y, wide, 14});
-    out += label_at(l.name, to.at.right - 6, y, c, "right");
+    const double width = char_count(l.name) * kCharWidth, above = to.py(l.y) - 10,
+                 y = above < to.area.top + 4 ? above + 20 : above;
+    taken.push_back({to.area.right - 6 - width / 2, y, width, 14});
+    out += label_at(l.name, to.area.right - 6, y, c, "right");
   }
-  const bool bare = p.scale == Panel::Scale::kBare;  // what stands there was placed by hand
+  const bool bare = p.scale == Panel::Scale::kBare;  // positions are given by the caller
   for (const Mark& m : p.marks) {
-    if (!bare && !(m.x >= to.at.x[0] && m.x <= to.at.x[1])) continue;
+    if (!bare && !(m.x >= to.area.x[0] && m.x <= to.area.x[1])) continue;
     if (bare) {
-      out += fmt::format("set label {} at {:.7g},{:.7g} center front\n", words_of(m.text), m.x, m.y);
+      out += fmt::format("set label {} at {:.7g},{:.7g} center front\n", gnuplot_label(m.text), m.x, m.y);
       continue;
     }
-    const Box box = free_place({to.px(m.x), to.py(m.y) - 11, characters(m.text) * kCharacter + 8, 17}, taken, to.at);
+    const Box box = free_box({to.px(m.x), to.py(m.y) - 11, char_count(m.text) * kCharWidth + 8, 17}, taken, to.area);
     taken.push_back(box);
     out += label_at(m.text, box.x, box.y, c, "center tc rgb '" + colour_of(m.colour) + "'");
   }
   return out;
 }
 
-/// A round step of ticks, about so many pixels apart.
+/// A tick step of 1, 2 or 5 times a power of ten, about `apart` pixels.
 double tick_step(const std::array<double, 2>& range, double pixels, double apart) {
   const double raw = (range[1] - range[0]) / std::max(2.0, std::floor(pixels / apart)),
                power = std::pow(10.0, std::floor(std::log10(raw)));
@@ -227,11 +228,11 @@ double tick_step(const std::array<double, 2>& range, double pixels, double apart
   return 10 * power;
 }
 
-/// A name in place of a tick, whose text gnuplot takes for a format.
-std::string tick_of(const std::string& name) {
+/// A name as a tick label; gnuplot takes labels as format strings.
+std::string tick_label(const std::string& name) {
   std::string out;
   for (const char c : name) out += c == '%' ? "%%" : std::string(1, c);
-  return words_of(out);
+  return gnuplot_label(out);
 }
 
 std::string axes_of(const Panel& p, const Pixels& to) {
@@ -241,24 +242,24 @@ std::string axes_of(const Panel& p, const Pixels& to) {
     return log ? std::string("autofreq") : fmt::format("{:.9g}", tick_step(range, pixels, apart));
   };
   std::string out = "set border 3 lw 0.8\nset grid lt 1 lw 0.5 lc rgb '#c8c8c8'\nset xtics nomirror scale 0.5 " +
-                    step(to.at.x, to.at.right - to.at.left, 62) + "\n";
+                    step(to.area.x, to.area.right - to.area.left, 62) + "\n";
   if (p.rows.empty())
-    out += "set ytics nomirror scale 0.5 " + step(to.at.y, to.at.bottom - to.at.top, 24) + "\n";
+    out += "set ytics nomirror scale 0.5 " + step(to.area.y, to.area.bottom - to.area.top, 24) + "\n";
   else {
     out += "set ytics nomirror scale 0 (";
     for (std::size_t i = 0; i < p.rows.size(); ++i)
-      out += fmt::format("{}{} {}", i ? ", " : "", tick_of(p.rows[i]), p.rows.size() - i);
+      out += fmt::format("{}{} {}", i ? ", " : "", tick_label(p.rows[i]), p.rows.size() - i);
     out += ")\n";
   }
   return (log ? "set logscale xy\n" : "unset logscale\n") + out;
 }
 
-/// Its title and what its axes are called, and the key above it.
-std::string names_of(const Panel& p, const Place& at, const Canvas& c, double left) {
+/// Title, axis labels and key of a panel.
+std::string titles_and_key(const Panel& p, const PanelArea& at, const Canvas& c, double left) {
   const Key key = key_of(p, at.right - at.left);
   std::string out = label_at(p.x_label, (at.left + at.right) / 2, at.bottom + 33, c, "center") +
                     label_at(p.y_label, left + 9, (at.top + at.bottom) / 2, c, "center rotate by 90");
-  if (!p.title.empty()) out += label_at(p.title, at.left, at.top - kLine * (key.rows + 0.5) - 2, c, "left");
+  if (!p.title.empty()) out += label_at(p.title, at.left, at.top - kLineHeight * (key.rows + 0.5) - 2, c, "left");
   if (key.rows == 0) return out + "set key off\n";
   return out + fmt::format(
                    "set key at screen {:.5f},{:.5f} left bottom horizontal Left reverse samplen 1.6 width 0 "
@@ -266,8 +267,8 @@ std::string names_of(const Panel& p, const Place& at, const Canvas& c, double le
                    at.left / c.width, 1 - (at.top - 3) / c.height, key.columns, key.rows);
 }
 
-/// `left`: where the panel begins, its axis included.
-std::string script_of(const Panel& p, const Place& at, const Canvas& c, const std::string& name, double left) {
+/// `left`: of the panel with its axis [px].
+std::string script_of(const Panel& p, const PanelArea& at, const Canvas& c, const std::string& name, double left) {
   const Pixels to{at, p.axes};
   std::string out = "unset label\nunset arrow\nset format xy '%g'\n" + axes_of(p, to);
   out += fmt::format(
@@ -276,16 +277,16 @@ std::string script_of(const Panel& p, const Place& at, const Canvas& c, const st
       at.left / c.width, at.right / c.width, 1 - at.top / c.height, 1 - at.bottom / c.height, at.x[0], at.x[1], at.y[0],
       at.y[1]);
   out += p.scale == Panel::Scale::kFree ? "set size noratio\n" : "set size ratio -1\n";
-  out += names_of(p, at, c, left) + labels_of(p, to, c);
+  out += titles_and_key(p, at, c, left) + levels_and_marks(p, to, c);
   std::string plots;
   int next = 0;
   for (std::size_t i = 0; i < p.series.size(); ++i) {
     const Series& s = p.series[i];
-    const int colour = s.colour >= 0 || s.look == Series::Look::kFaint ? s.colour : next++;
+    const int colour = s.colour >= 0 || s.style == Series::Style::kFaint ? s.colour : next++;
     const std::string data = fmt::format("{}_{}", name, i);
     out += block(s, p.axes, data);
-    plots += fmt::format("{}${} {} title {}", i ? ", " : "", data, with(s, colour),
-                         s.name.empty() ? "''" : words_of(s.name));
+    plots += fmt::format("{}${} {} title {}", i ? ", " : "", data, plot_style(s, colour),
+                         s.name.empty() ? "''" : gnuplot_label(s.name));
   }
   return out + (plots.empty() ? "" : "plot " + plots + "\n");
 }
@@ -295,13 +296,13 @@ std::string script_of(const Figure& f, const std::string& name) {
   std::string out = "set multiplot\n";
   for (std::size_t i = 0; i < f.panels.size(); ++i)
     if (!f.panels[i].series.empty())
-      out += script_of(f.panels[i], place_of(f, i), c, fmt::format("{}_{}", name, i),
+      out += script_of(f.panels[i], area_of(f, i), c, fmt::format("{}_{}", name, i),
                        c.width / f.columns * double(int(i) % f.columns));
   return out + "unset multiplot\n";
 }
 
 std::string terminal(const std::string& format, const Canvas& c) {
-  if (format == "pdf")  // points of 1/72 inch beside pixels of 1/96
+  if (format == "pdf")  // sizes are in pixels of 1/96 inch
     return fmt::format("set terminal pdfcairo noenhanced font 'sans-serif,9' size {:.3f}in,{:.3f}in\n", c.width / 96,
                        c.height / 96);
   if (format == "png")
@@ -316,7 +317,7 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
     text.replace(at, from.size(), to);
 }
 
-/// gnuplot calls the third curve of the second panel gnuplot_plot_3b; here it becomes data-curve="1,2".
+/// Replaces gnuplot's id of a curve, gnuplot_plot_3b for the third of the second panel, by data-curve="1,2".
 void name_curves(std::string& svg) {
   const std::string begin = " id=\"gnuplot_", curve = "plot_";
   for (std::size_t at = 0; (at = svg.find(begin, at)) != std::string::npos;) {
@@ -331,9 +332,9 @@ void name_curves(std::string& svg) {
   }
 }
 
-/// gnuplot's drawing for a page: its text and axes take the page's colour, and it names nothing that another figure of
-/// the page names too.
-std::string for_page(std::string svg) {
+/// gnuplot's SVG for a page: text and axes take the page's colour; ids, which could collide with other figures, are
+/// removed.
+std::string svg_for_page(std::string svg) {
   svg.erase(0, std::min(svg.size(), svg.find("<svg")));
   for (const char* quote : {"\"", "'"}) {
     const std::string q = quote;
@@ -349,7 +350,7 @@ std::string for_page(std::string svg) {
   }
   name_curves(svg);
   replace_all(svg, "\t", " ");
-  svg = std::regex_replace(svg, std::regex("<g [^>]*>\\s*</g>\\s*"), "");  // colours of what is not drawn
+  svg = std::regex_replace(svg, std::regex("<g [^>]*>\\s*</g>\\s*"), "");  // empty groups
   return svg;
 }
 
@@ -362,10 +363,10 @@ bool Figure::empty() const {
          });
 }
 
-Series thinned(const Series& line, std::size_t most) {
+Series thinned(const Series& line, std::size_t parts) {
   Series out = line;
   out.x.clear(), out.y.clear();
-  for (const std::size_t i : kept_rows({&line.y}, most)) out.x.push_back(line.x[i]), out.y.push_back(line.y[i]);
+  for (const std::size_t i : kept_rows({&line.y}, parts)) out.x.push_back(line.x[i]), out.y.push_back(line.y[i]);
   return out;
 }
 
@@ -375,10 +376,10 @@ std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<
   std::string script = "set encoding utf8\n";
   std::vector<std::string> names;
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    std::vector<std::string> wanted = {"svg"};
+    std::vector<std::string> all_formats = {"svg"};
     for (const std::string& format : formats)
-      if (format != "svg") wanted.push_back(format);
-    for (const std::string& format : wanted) {
+      if (format != "svg") all_formats.push_back(format);
+    for (const std::string& format : all_formats) {
       names.push_back(figures[i].name + "." + format);
       script += terminal(format, canvas(figures[i])) + "set output '" + names.back() + "'\n" +
                 script_of(figures[i], fmt::format("f{}{}", i, format)) + "unset output\n";
@@ -389,8 +390,8 @@ std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<
   for (std::size_t i = 0; i < figures.size() && !files.empty(); ++i) {
     Drawing& d = out.emplace_back();
     const std::string& name = figures[i].name;
-    d.svg = for_page(files.at(name + ".svg"));
-    for (std::size_t k = 0; k < figures[i].panels.size(); ++k) d.places.push_back(place_of(figures[i], k));
+    d.svg = svg_for_page(files.at(name + ".svg"));
+    for (std::size_t k = 0; k < figures[i].panels.size(); ++k) d.areas.push_back(area_of(figures[i], k));
     for (const std::string& format : formats) d.files[name + "." + format] = std::move(files.at(name + "." + format));
   }
   return out;

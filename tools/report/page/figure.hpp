@@ -1,5 +1,5 @@
-// Figures of curves, points and bars, drawn by gnuplot: all figures of a report by one process. A figure is described
-// by what it shows; gnuplot chooses ticks, the layout here says where each panel stands.
+// Declarative figures of curves, points and bars. gnuplot draws all figures of a report in one process; the layout of
+// panels is computed here.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace ukemi::tools {
 
 enum class Axes { kLinear, kLogarithmic };
 
-/// Points that are drawn alike; what is not finite interrupts a line.
+/// A curve or a set of points; a value that is not finite interrupts a line.
 struct Series {
-  std::string name;  ///< in the key; empty: not in it
+  std::string name;  ///< in the key; empty: not listed
   std::vector<double> x, y;
-  enum class Look {
+  enum class Style {
     kLine,
     kDashed,
     kFaint,      ///< a thin line behind the others
@@ -24,20 +24,20 @@ struct Series {
     kIntervals,  ///< dots at (x, y) with bars from `low` to `high` along x
     kBars,       ///< bars along x, from zero to x, about y
     kThick,      ///< links of a robot
-  } look = Look::kLine;
-  int colour = -1;  ///< of the palette, kInk; -1: the next one
+  } style = Style::kLine;
+  int colour = -1;  ///< index in the palette, kInk or kGrey; -1: the next one
   std::vector<double> low{}, high{};
 
-  static constexpr int kInk = 100, kGrey = 101;  ///< of the text; of the grid
+  static constexpr int kInk = 100, kGrey = 101;  ///< black, as text; grey
 };
 
-/// A number or a name at a point.
+/// A text at a point.
 struct Mark {
   double x, y;
   std::string text;
   int colour = Series::kInk;
 };
-/// A line across the panel at a value of y, with its name at the right end.
+/// A horizontal line at y with its name at the right end.
 struct Level {
   double y;
   std::string name;
@@ -49,42 +49,42 @@ struct Panel {
   std::vector<Mark> marks;
   std::vector<Level> levels;
   Axes axes = Axes::kLinear;
-  std::optional<std::array<double, 2>> x_range, y_range;  ///< absent: of the data
-  std::vector<std::string> rows;  ///< names of y = 1, 2, ... in place of ticks, the first on top
+  std::optional<std::array<double, 2>> x_range, y_range;  ///< absent: from the data
+  std::vector<std::string> rows;                          ///< names instead of ticks in y, the first at the top
   enum class Scale {
     kFree,
     kEqual,
     kBare
-  } scale = Scale::kFree;  ///< kEqual: a metre is as long in x as in y; kBare:
-                           ///< and no axes
+  } scale = Scale::kFree;  ///< kEqual: the same scale in x and y; kBare: also
+                           ///< without axes
 };
 
 struct Figure {
   std::string name;     ///< of its file: "acceleration"
-  std::string caption;  ///< below it; what it shows, where its data are
+  std::string caption;  ///< what it shows, where its data are
   std::vector<Panel> panels;
   int columns = 1;
   enum class Width { kHalf, kWhole } width = Width::kHalf;
-  double panel_height = 250;                                    ///< [px]
-  enum class Cursor { kNone, kTime } cursor = Cursor::kNone;    ///< kTime: x is the time of the animation [s]
-  enum class In { kPageAndFile, kFile } in = In::kPageAndFile;  ///< kFile: drawn where files of figures are asked for
+  double panel_height = 250;                                  ///< [px]
+  enum class Cursor { kNone, kTime } cursor = Cursor::kNone;  ///< kTime: x is the time of the animation [s]
+  enum class Target { kPageAndFile, kFile } target = Target::kPageAndFile;  ///< kFile: only if files are requested
   /// Whether there is anything to draw.
   bool empty() const;
 };
 
-/// Where a panel stands in its drawing [px], and the ranges that its width and its height show.
-struct Place {
+/// The box of a panel's axes in its drawing [px], and the ranges of x and y that it shows.
+struct PanelArea {
   double left, right, top, bottom;
   std::array<double, 2> x, y;
 };
 struct Drawing {
-  std::string svg;                           ///< for a page: follows its colours
-  std::vector<Place> places;                 ///< of the panels
-  std::map<std::string, std::string> files;  ///< for themselves: "acceleration.svg" -> what it holds
+  std::string svg;                           ///< for a page, whose colours it takes
+  std::vector<PanelArea> areas;              ///< of the panels
+  std::map<std::string, std::string> files;  ///< contents by name: "acceleration.svg"
 };
 
-/// Draws figures; `formats`: of svg, pdf, png, those that are wanted as files. In the order of the figures; empty where
-/// gnuplot is not there or fails, and `why` says it.
+/// Drawings of figures, in their order; `formats`: of svg, pdf, png, for Drawing::files. Empty where gnuplot is missing
+/// or fails; `why` is then the reason.
 std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<std::string>& formats,
                           std::string& why);
 
@@ -92,11 +92,11 @@ std::vector<Drawing> draw(const std::vector<Figure>& figures, const std::vector<
 Figure lines(const std::string& name, const std::string& x_label, const std::string& y_label,
              std::vector<Series> series, Axes axes = Axes::kLinear);
 
-/// The same as an SVG that stands alone. Throws std::runtime_error where gnuplot is not there or fails.
+/// A figure of one panel as a stand-alone SVG. Throws std::runtime_error where gnuplot is missing or fails.
 std::string lines_svg(const std::string& x_label, const std::string& y_label, std::vector<Series> series);
 
-/// At most some 3 `most` of a line's points: the first, the smallest and the largest y of each of `most` equal parts,
-/// so that no peak is lost. x rises.
-Series thinned(const Series& line, std::size_t most = 700);
+/// Keeps at most about 3 `parts` points of a line: the first, the lowest and the highest of each of `parts` equal
+/// parts, so that no peak is lost. x increases.
+Series thinned(const Series& line, std::size_t parts = 700);
 
 }  // namespace ukemi::tools

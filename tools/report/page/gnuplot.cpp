@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed by the destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -50,32 +50,32 @@ std::string content(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Starts gnuplot in a group of its own, so that Ctrl-C is ours alone; 0, or the system's error.
+/// Starts gnuplot in its own process group, so that Ctrl-C does not reach it. Returns 0 or an errno.
 int start(pid_t& child, const TemporaryFolder& folder) {
   posix_spawn_file_actions_t actions;
   posix_spawnattr_t attributes;
   posix_spawn_file_actions_init(&actions);
   posix_spawnattr_init(&attributes);
-  const std::string messages = folder.at("messages"), place = folder.at("");
+  const std::string messages = folder.at("messages"), directory = folder.at("");
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT, 0600);
-  posix_spawn_file_actions_addchdir_np(&actions, place.c_str());
+  posix_spawn_file_actions_addchdir_np(&actions, directory.c_str());
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  // -d: whatever a user's own start-up file sets is not of this figure.
-  std::array<std::string, 3> words = {"gnuplot", "-d", "script"};
-  std::array<char*, 4> argv = {words[0].data(), words[1].data(), words[2].data(), nullptr};
+  // -d: ignore the user's start-up file
+  std::array<std::string, 3> arguments = {"gnuplot", "-d", "script"};
+  std::array<char*, 4> argv = {arguments[0].data(), arguments[1].data(), arguments[2].data(), nullptr};
   const int error = ::posix_spawnp(&child, "gnuplot", &actions, &attributes, argv.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
   return error;
 }
 
-/// Its exit status; -1 where it had to be ended because it took too long.
+/// The exit status; -1 after killing the process at the timeout.
 int wait_for(pid_t child) {
-  constexpr int kPatience = 20'000, kPause = 1000;  // [ms], [us]
+  constexpr int kTimeout = 20'000, kPause = 1000;  // [ms], [us]
   int status = 0;
-  for (int waited = 0; waited < kPatience; ++waited) {
+  for (int waited = 0; waited < kTimeout; ++waited) {
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return status;
     if (ended < 0 && errno != EINTR) return -1;
@@ -106,13 +106,13 @@ std::map<std::string, std::string> gnuplot(const std::string& script, const std:
     for (const std::string& name : names)
       if (std::string file = content(folder.at(name)); !file.empty()) out[name] = std::move(file);
   if (out.size() == names.size()) return out;
-  const std::string said = content(folder.at("messages")), newline = "\n";
-  const auto begin = said.find_first_not_of(newline);
+  const std::string messages = content(folder.at("messages")), newline = "\n";
+  const auto begin = messages.find_first_not_of(newline);
   why = "gnuplot failed";
   if (begin == std::string::npos)
     for (const std::string& name : names)
       if (!out.contains(name)) why += ": it left no " + name;
-  if (begin != std::string::npos) why += ": " + shown(said.substr(begin, said.find('\n', begin) - begin));
+  if (begin != std::string::npos) why += ": " + shown(messages.substr(begin, messages.find('\n', begin) - begin));
   return {};
 }
 

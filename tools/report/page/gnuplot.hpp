@@ -1,4 +1,4 @@
-// gnuplot as a process of its own: a script goes in, the files that it wrote come out.
+// Runs gnuplot as a child process.
 #pragma once
 
 #include <map>
@@ -7,12 +7,12 @@
 
 namespace ukemi::tools {
 
-/// Runs gnuplot on a script in a temporary folder, which is its working directory, and returns the files of these names
-/// that it left there. Empty where that fails, and `why` says it in one line: not installed, no room, its own message.
+/// Runs gnuplot on a script in a temporary working directory and returns the contents of the files `names` that it
+/// wrote. Empty where that fails; `why` is then the reason in one line.
 std::map<std::string, std::string> gnuplot(const std::string& script, const std::vector<std::string>& names,
                                            std::string& why);
 
-/// A text as a string of gnuplot's, in which nothing is expanded or executed.
+/// A text as a gnuplot string literal, in which nothing is expanded or executed.
 std::string gnuplot_text(const std::string& text);
 
 }  // namespace ukemi::tools

@@ -4,12 +4,12 @@
 
 namespace ukemi::tools {
 
-std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t most) {
+std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t parts) {
   std::vector<std::size_t> out;
   const std::size_t n = columns.empty() ? 0 : columns.front()->size();
-  const bool all = n <= 3 * most;
-  for (std::size_t part = 0; part < (all ? n : most); ++part) {
-    const std::size_t begin = all ? part : n * part / most, end = all ? part + 1 : n * (part + 1) / most;
+  const bool all = n <= 3 * parts;
+  for (std::size_t part = 0; part < (all ? n : parts); ++part) {
+    const std::size_t begin = all ? part : n * part / parts, end = all ? part + 1 : n * (part + 1) / parts;
     std::vector<std::size_t> kept = {begin};
     for (const std::vector<double>* c : columns) {
       const auto [low, high] = std::minmax_element(c->begin() + long(begin), c->begin() + long(end));

@@ -1,4 +1,4 @@
-// Fewer rows of a long table, without the loss of a peak.
+// Downsamples a long table without losing peaks.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace ukemi::tools {
 
-/// The indices of rows that stay where at most some (1 + 2 columns) `most` of them may: the first of each part, and the
-/// smallest and largest of every column.
-std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t most);
+/// Indices of the rows to keep, at most about (1 + 2 columns) `parts`: of each of `parts` equal parts the first, and
+/// the minimum and maximum of every column. All rows where there are few.
+std::vector<std::size_t> kept_rows(const std::vector<const std::vector<double>*>& columns, std::size_t parts);
 
 }  // namespace ukemi::tools

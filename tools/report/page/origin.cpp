@@ -28,11 +28,11 @@ std::string big_endian(std::uint32_t n) {
   return out;
 }
 
-/// A chunk behind the first one: length, type, data, checksum of both (PNG, 2nd edition, 5.3 and 11.3.4.5).
+/// Inserts an iTXt chunk after IHDR: length, type, data, CRC of type and data (PNG, 2nd edition, 5.3 and 11.3.4.5).
 std::string png_with(std::string png, const std::string& text) {
   constexpr std::size_t kSignature = 8, kHeader = 25;
   if (png.size() < kSignature + kHeader || png.compare(kSignature + 4, 4, "IHDR") != 0) return png;
-  const std::string keyword("Comment\0\0\0\0\0", 12);  // not compressed, of no language
+  const std::string keyword("Comment\0\0\0\0\0", 12);  // not compressed, no language
   const std::string chunk = "iTXt" + keyword + text;
   boost::crc_32_type sum;
   sum.process_bytes(chunk.data(), chunk.size());
@@ -40,7 +40,7 @@ std::string png_with(std::string png, const std::string& text) {
                     big_endian(std::uint32_t(chunk.size() - 4)) + chunk + big_endian(sum.checksum()));
 }
 
-/// What stands behind the last such key, up to the end of its line.
+/// The rest of the line after the last occurrence of a key; empty: none.
 std::string last_value(const std::string& pdf, const std::string& key) {
   const std::size_t at = pdf.rfind(key);
   if (at == std::string::npos) return {};
@@ -48,25 +48,25 @@ std::string last_value(const std::string& pdf, const std::string& key) {
   return pdf.substr(from, pdf.find('\n', from) - from);
 }
 
-/// An update behind the file that replaces the object of its information (PDF 1.5, 3.4.5).
+/// Appends an incremental update that replaces the document information object (PDF 1.5, 3.4.5).
 std::string pdf_with(std::string pdf, const std::string& text) {
   const std::string size = last_value(pdf, "/Size "), root = last_value(pdf, "/Root "),
-                    info = last_value(pdf, "/Info "), before = last_value(pdf, "startxref\n");
-  const bool plain = !before.empty() && before.find_first_not_of("0123456789") == std::string::npos &&
-                     pdf.compare(std::min(pdf.size(), std::size_t(std::stoul(before))), 4, "xref") == 0;
-  if (size.empty() || root.empty() || info.empty() || !plain) return pdf;
-  // A reader takes what is not UTF-16 for an encoding of its own: any other character stands as "?".
-  std::string words;
+                    info = last_value(pdf, "/Info "), prev = last_value(pdf, "startxref\n");
+  const bool has_table = !prev.empty() && prev.find_first_not_of("0123456789") == std::string::npos &&
+                         pdf.compare(std::min(pdf.size(), std::size_t(std::stoul(prev))), 4, "xref") == 0;
+  if (size.empty() || root.empty() || info.empty() || !has_table) return pdf;
+  // Keywords are not UTF-16, so that only ASCII is portable: any other character becomes "?".
+  std::string keywords;
   for (const unsigned char c : text)
-    if (c < 0x80 || c >= 0xc0) words += fmt::format("{:02x}", c < 0x80 ? c : '?');
+    if (c < 0x80 || c >= 0xc0) keywords += fmt::format("{:02x}", c < 0x80 ? c : '?');
   const std::string number = info.substr(0, info.find(' '));
   const std::size_t object = pdf.size();
-  pdf += fmt::format("{} 0 obj\n<< /Producer (gnuplot, cairo) /Keywords <{}> >>\nendobj\n", number, words);
+  pdf += fmt::format("{} 0 obj\n<< /Producer (gnuplot, cairo) /Keywords <{}> >>\nendobj\n", number, keywords);
   const std::size_t table = pdf.size();
   pdf += fmt::format(
       "xref\n{} 1\n{:010} 00000 n \ntrailer\n<< /Size {}\n   /Root {}\n   /Info {}\n   /Prev {}\n>>\n"
       "startxref\n{}\n%%EOF\n",
-      number, object, size, root, info, before, table);
+      number, object, size, root, info, prev, table);
   return pdf;
 }
 

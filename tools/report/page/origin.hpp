@@ -1,12 +1,12 @@
-// A figure that leaves its folder says where it comes from.
+// Provenance embedded in figure files.
 #pragma once
 
 #include <string>
 
 namespace ukemi::tools {
 
-/// An SVG, PNG or PDF file, told by the ending of its name, with a text inside: SVG's <metadata>, PNG's text chunk
-/// "Comment", the Keywords of a PDF's information. A file that is not as gnuplot writes it stays as it is.
+/// Contents of an SVG, PNG or PDF file, by the ending of its name, with an embedded text: <metadata> of SVG, text chunk
+/// "Comment" of PNG, Keywords of PDF. A file that is not as gnuplot writes it is returned unchanged.
 std::string with_origin(const std::string& name, std::string content, const std::string& text);
 
 }  // namespace ukemi::tools

@@ -37,17 +37,17 @@ std::string json_block(const std::string& id, const std::string& json) {
 
 namespace {
 
-/// Hexadecimal digits as base64, which a page's policy names its script by.
+/// Hexadecimal digits as base64, the notation of hashes in a Content-Security-Policy.
 std::string base64(const std::string& hex) {
   static constexpr std::array<char, 65> kDigits = {"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"};
   std::string out;
   unsigned bits = 0;
-  int held = 0;
+  int bit_count = 0;
   for (const char c : hex) {
-    bits = bits << 4 | unsigned(c <= '9' ? c - '0' : c - 'a' + 10), held += 4;
-    for (; held >= 6; held -= 6) out += kDigits[bits >> (held - 6) & 63U];
+    bits = bits << 4 | unsigned(c <= '9' ? c - '0' : c - 'a' + 10), bit_count += 4;
+    for (; bit_count >= 6; bit_count -= 6) out += kDigits[bits >> (bit_count - 6) & 63U];
   }
-  if (held > 0) out += kDigits[bits << (6 - held) & 63U];
+  if (bit_count > 0) out += kDigits[bits << (6 - bit_count) & 63U];
   while (out.size() % 4 != 0) out += '=';
   return out;
 }

@@ -1,21 +1,21 @@
-// One page: HTML in one file that fetches nothing, light and dark, readable without script. Text from outside is shown
-// and never run: it is escaped, and the page's policy allows its own script alone.
+// A self-contained HTML page, light and dark, readable without script. Text from outside cannot run: it is escaped, and
+// the page's Content-Security-Policy allows its own script only.
 #pragma once
 
 #include <string>
 
 namespace ukemi::tools {
 
-/// A text as HTML shows it, in an attribute too; what is not printable as `shown` has it.
+/// A text escaped for HTML and for attributes; unprintable characters as in `shown`.
 std::string escaped(const std::string& text);
-/// Units as they are printed: m/s² where a terminal and files have m/s^2.
+/// A text with m/s² for m/s^2.
 std::string printed(std::string text);
-/// A sentence, a heading or a cell: escaped, with units as they are printed.
+/// escaped(printed(text)): a sentence, a heading or a cell.
 std::string prose(const std::string& text);
-/// JSON as a page carries it in a <script>, which no text in it can end.
+/// JSON in a <script> element, which no text in it can end.
 std::string json_block(const std::string& id, const std::string& json);
 
-/// The page around its body, with the style and the script.
+/// The page with a body, style and script.
 std::string page(const std::string& title, const std::string& body);
 
 }  // namespace ukemi::tools

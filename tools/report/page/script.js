@@ -1,6 +1,6 @@
-// What a heat map holds, and the animation where a page has one. Nothing here is needed to read the page.
+// Read-out of heat maps, and the animation of a page that has one. The page is complete without this script.
 (() => {
-  // What a heat map holds under the pointer.
+  // Shows the value of a heat map under the pointer.
   for (const svg of document.querySelectorAll('svg.map')) {
     const {inside: [left, top, width, height], labels, x, y, values} = JSON.parse(svg.querySelector('metadata').textContent);
     const said = fall.element('p', svg.parentNode, 'Point at the map to read it.');

@@ -1,5 +1,5 @@
 'use strict';
-// An element of a drawing, for the scripts behind it.
+// Creates an SVG element; used by the other scripts.
 const SVG = 'http://www.w3.org/2000/svg';
 const make = (name, attributes, parent) => {
   const node = document.createElementNS(SVG, name);
