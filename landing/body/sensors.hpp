@@ -42,7 +42,7 @@ std::vector<MeasuredColumn> measured_columns(const Robot& robot);
 /// push_NAME_x, push_NAME_y of every push.
 std::vector<MeasuredColumn> push_columns(const Robot& robot);
 
-/// Largest |Sensors::time_shift| [s].
+/// Largest |time_shift| of Sensors [s].
 inline constexpr double kMaxTimeShift = 0.1;
 
 struct Sensor {

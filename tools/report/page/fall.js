@@ -88,7 +88,7 @@ const fall = (() => {
       const [i, part] = findRow(this.landing.t, t), frame = this.at(i, part);
       this.links.forEach((line, k) => line.setAttribute('points', points(frame.links[k])));
       for (const [ghost, line] of this.ghosts)
-        line.setAttribute('points', points(shape(ghost, between(ghost, ...place(ghost.t, t)), this.landing.length).joints));
+        line.setAttribute('points', points(shape(ghost, between(ghost, ...findRow(ghost.t, t)), this.landing.length).joints));
       this.trace.setAttribute('points', points(this.traced.slice(0, i + 1).concat([frame.trace])));
       if (this.target) this.target.setAttribute('cx', frame.trace[0]), this.target.setAttribute('cy', -frame.trace[1]);
       const touching = [];
