@@ -10,8 +10,6 @@ namespace ukemi::landing {
 
 /// The rule of the first number of a fall of a robot with `joints` that is out of its range or NaN; empty: none.
 std::string fault_of(const BodyFallState& state, std::size_t joints);
-/// Of a base that falls freely, downwards; 0 of a pinned one [m/s^2].
-double fall_acceleration(const Robot& robot);
 /// The scene released in the measured state, its references free to move after `from` [s].
 BodyScene falling(BodyScene scene, const BodyFallState& state, double from);
 

@@ -32,11 +32,6 @@ std::string fault_of(const BodyFallState& s, std::size_t joints) {
   const char* wrong = fault_of_elapsed(s.elapsed);
   return wrong ? wrong : "";
 }
-double fall_acceleration(const Robot& robot) {
-  if (robot.base == Base::kPinned) return 0;
-  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1;
-  return robot.gravity * along * along;
-}
 BodyScene falling(BodyScene scene, const BodyFallState& s, double from) {
   const double free_fall = -fall_acceleration(scene.robot) * s.elapsed;
   scene.drop = {s.height, s.forward_speed, s.pitch, s.pitch_rate, s.vertical_speed.value_or(free_fall)};

@@ -8,7 +8,6 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"
-#include "landing/plan/body_fall.hpp"
 
 namespace ukemi::landing {
 
@@ -21,6 +20,12 @@ double& number(Motion& m, int which) {
 }
 
 }  // namespace
+
+double fall_acceleration(const Robot& robot) {
+  if (robot.base == Base::kPinned) return 0;
+  const double along = robot.base == Base::kRail ? std::sin(robot.rail_direction) : 1;
+  return robot.gravity * along * along;
+}
 
 double fall_time(const BodyScene& scene) {
   const Robot& robot = scene.robot;

@@ -10,6 +10,8 @@
 
 namespace ukemi::landing {
 
+/// Of a base that falls freely, downwards; 0 of a pinned one [m/s^2].
+double fall_acceleration(const Robot& robot);
 /// Time until touchdown with fixed joints and without rotation; infinite where nothing falls [s].
 double fall_time(const BodyScene& scene);
 
