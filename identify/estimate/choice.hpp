@@ -24,6 +24,7 @@ struct Choice {
   std::vector<Prior> priors;                   ///< of fitted terms
 
   bool fits(const std::string& term) const;
+  void remove(const std::string& term);  ///< fits a nuisance term no longer, and drops its prior
   double lower_of(const Term& term) const;
   double upper_of(const Term& term) const;
 };

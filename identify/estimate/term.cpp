@@ -15,6 +15,11 @@ bool Choice::fits(const std::string& term) const {
   return among(free) || among(nuisance);
 }
 
+void Choice::remove(const std::string& term) {
+  std::erase(nuisance, term);
+  std::erase_if(priors, [&](const Prior& p) { return p.term == term; });
+}
+
 std::size_t index_of(const std::vector<const Term*>& table, const std::string& what, const std::string& name) {
   std::vector<std::string> known;
   for (const Term* t : table) known.push_back(t->name);

@@ -159,9 +159,9 @@ void report(const Rig& rig, const FitSearch& search, const std::vector<Trial>& t
   if (!out.far_above_noise) return;
   distrust(out.parameters);
   out.warnings.push_back(
-      fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad after {} starts: the model "
+      fmt::format("the residual {:.3g} rad is {:.1f} times the logs' noise {:.3g} rad: the model "
                   "lacks something, or no start found the minimum; no constant is trusted",
-                  unexplained, unexplained / noise, noise, out.starts));
+                  unexplained, unexplained / noise, noise));
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ std::vector<Rival> rivals(const Explanation& explained, const Experiment& experi
 std::optional<Rival> refitted(const Rival& r, const Experiment& experiment, const Fit& fit) {
   FitOptions options = experiment.options;
   std::replace(options.terms.nuisance.begin(), options.terms.nuisance.end(), r.term, r.other);
+  std::erase_if(options.terms.priors, [&](const Prior& p) { return p.term == r.term; });
   SeaParameters<double> from = fit.sea;
   options.terms[r.term].set_in(from, options.terms[r.term].absent);
   options.terms[r.other].set_in(from, r.value);

@@ -94,7 +94,7 @@ void hold_redundant(Experiment& experiment, Identification& out) {
     const RigTerm& term = *optional_term(terms, found->term);
     SeaParameters<double> from = out.fit.sea;
     term.set_in(from, term.absent);
-    std::erase_if(terms.nuisance, [&](const std::string& n) { return n == term.name; });
+    terms.remove(term.name);
     replace(refit(experiment.rig, experiment.trials, from, experiment.options), out.fit);
     out.held.push_back(*found);
   }
@@ -159,7 +159,7 @@ ScoreStarted fit_from_score_tests(const Experiment& e, const std::vector<std::st
   ScoreStarted out;
   Experiment plain = noise_only(e);
   for (const std::string& name : terms) {
-    std::erase(plain.options.terms.nuisance, name);
+    plain.options.terms.remove(name);
     e.options.terms[name].set_in(base, e.options.terms[name].absent);
   }
   const Fit without = fit(e.rig, e.trials, start, base, plain.options);
@@ -190,9 +190,19 @@ struct SecondSearch {
   std::string failed;  ///< no minimum was found that explains the logs
 };
 
-/// A fit with terms of the actuator whose residuals the model does not explain may have ended at a local minimum.
-/// Searches from starts by the score tests of the model without these terms and, where the predicted decrease of the
-/// cost is not met, from kMoreStarts drawn starts.
+/// Whether two fitted terms are so correlated that the cost has a flat valley, in which a local search may end at a
+/// minimum of its side.
+bool has_flat_valley(const Fit& fit) {
+  constexpr double kFlat = 0.999;
+  Eigen::MatrixXd correlation = correlation_of(fit.noise_covariance);
+  correlation.diagonal().setZero();
+  return fit.converged && (correlation.array().abs() > kFlat).any();
+}
+
+/// A fit whose residuals the model does not explain, or whose cost has a flat valley, may have ended at a local
+/// minimum. Searches from starts by the score tests of the model without its terms of the actuator and, where the
+/// predicted decrease of the cost is not met, from kMoreStarts drawn starts. Without such terms only residuals far
+/// above the noise count as unexplained.
 SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters<double>>& start,
                           SeaParameters<double> base, Identification& out) {
   constexpr int kMoreStarts = 20;
@@ -202,7 +212,8 @@ SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters
     if (const RigTerm& t = e.options.terms[name]; is_optional_constant(t) && std::isfinite(t.absent))
       terms.push_back(name);
   SecondSearch warnings;
-  if (terms.empty() || out.fit.interrupted || e.options.explore > 0 || !doubtful(out)) return warnings;
+  const auto unexplained = [&] { return terms.empty() ? out.fit.far_above_noise : doubtful(out); };
+  if (out.fit.interrupted || e.options.explore > 0 || !(unexplained() || has_flat_valley(out.fit))) return warnings;
   const double first_rms = out.fit.rms;
   const auto replace_if_better = [&](Fit other, const std::string& origin) {
     if (!clearly_better(other, out.fit)) return void(out.fit.starts += other.starts);
@@ -212,14 +223,18 @@ SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters
     out.trust = test_fit(e, out.fit);
   };
   base.feedback = out.fit.sea.feedback;
-  ScoreStarted score_started = fit_from_score_tests(e, terms, start, base);
-  replace_if_better(std::move(score_started.fit), "where the score tests point");
-  const bool met = score_started.gain > 0 && out.fit.cost <= score_started.plain - kMet * score_started.gain;
-  if (!doubtful(out) || (met && !out.fit.far_above_noise)) return warnings;
+  bool met = false;
+  if (!terms.empty() && unexplained()) {
+    ScoreStarted score_started = fit_from_score_tests(e, terms, start, base);
+    replace_if_better(std::move(score_started.fit), "where the score tests point");
+    met = score_started.gain > 0 && out.fit.cost <= score_started.plain - kMet * score_started.gain;
+  }
+  if (!has_flat_valley(out.fit) && (!unexplained() || (met && !out.fit.far_above_noise))) return warnings;
   FitOptions explore = e.options;
   explore.explore = kMoreStarts;
   replace_if_better(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
-  if (doubtful(out))
+  if (e.options.monitor.stopped()) return out.fit.interrupted = true, warnings;
+  if (!terms.empty() && doubtful(out))
     warnings.failed = fmt::format(
         "{}: where its score test points and {} drawn starts found nothing better: the model lacks something else",
         fmt::join(terms, " and "), kMoreStarts);

@@ -49,8 +49,11 @@ std::vector<Rung> rungs_of(const Experiment& experiment, const std::vector<const
     r.options = experiment.options;
     std::vector<std::string>& nuisance = r.options.terms.nuisance;
     for (std::size_t t = 0; t < terms.size(); ++t) {
+      if (!has(i, t)) {
+        r.options.terms.remove(terms[t]->name);
+        continue;
+      }
       std::erase(nuisance, terms[t]->name);
-      if (!has(i, t)) continue;
       nuisance.push_back(terms[t]->name);
       r.name += (r.terms.empty() ? "" : " and ") + terms[t]->name;
       r.terms.push_back(terms[t]->name);

@@ -114,6 +114,7 @@ std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vect
     Load l;
     l.name = s.text("name");
     if (l.name.empty()) s.fail("name", "a name is needed");
+    if (l.name == "peak") s.fail("name", "'peak' names the scene's own peak: another name is needed");
     for (const Load& other : out)
       if (other.name == l.name) s.fail("name", ukemi::quoted(l.name) + ": the name is given twice");
     const std::string kind = s.text("kind");
@@ -127,6 +128,7 @@ std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vect
       s.fail("limit", fmt::format("a {} is no amount that a plan makes small: true is needed", words(l.kind)));
     const Range range = l.limit ? Range::non_negative() : Range::positive();
     l.rating = touch ? s.optional_number("rating", range).value_or(0) : s.number("rating", range);
+    if (touch && l.rating != 0) s.fail("rating", "of a touch, 1 where the contact touches: 0 is needed, or no rating");
     out.push_back(l);
   }
   std::rotate(out.begin(), out.begin() + long(stops.size()), out.end());

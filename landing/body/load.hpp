@@ -42,6 +42,8 @@ double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& l
 bool rated(const BodyScene& scene);
 /// Index of the load that gives the worth; -1 without loads to minimise.
 int binding(const BodyScene& scene, const BodyLanding& landing);
+/// The largest value that keeps a rating: rounding may take a torque that is clamped at it beyond it.
+constexpr double allowed(double rating) { return rating * (1 + 1e-12); }
 /// The values of all loads, even if the run did not observe them.
 std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing);
 

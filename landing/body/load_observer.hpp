@@ -80,7 +80,8 @@ class LoadObserver {
   /// Index of the first broken limit; -1: none.
   int exceeded() const {
     for (std::size_t i = 0; i < items_.size(); ++i)
-      if (items_[i].evaluator.load().limit && items_[i].peak.value > items_[i].evaluator.load().rating) return int(i);
+      if (items_[i].evaluator.load().limit && items_[i].peak.value > allowed(items_[i].evaluator.load().rating))
+        return int(i);
     return -1;
   }
   /// See RestSquare; -1, never at rest, during a touch whose impulse is a load.

@@ -210,7 +210,7 @@ PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, 
     const std::vector<LoadPeak> loads = loads_of(scene, l);
     out.peaks[k] = worth(scene, l.peak, loads);
     out.exceeded.resize(loads.size());
-    for (std::size_t i = 0; i < loads.size(); ++i) out.exceeded[i] += loads[i].value > scene.loads[i].rating;
+    for (std::size_t i = 0; i < loads.size(); ++i) out.exceeded[i] += loads[i].value > allowed(scene.loads[i].rating);
   }
   return out;
 }

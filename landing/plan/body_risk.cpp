@@ -39,9 +39,9 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
   return out;
 }
 bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
-  if (e.load >= 0) return loads_of(scene, l)[std::size_t(e.load)].value > e.limit;
+  if (e.load >= 0) return loads_of(scene, l)[std::size_t(e.load)].value > allowed(e.limit);
   const JointDemands& d = l.demands[std::size_t(e.joint)];
-  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > e.limit;
+  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > allowed(e.limit);
 }
 
 /// The touchdown that opened the interval of the peak, from 1; 0: before the first.

@@ -182,6 +182,8 @@ TEST_CASE("calibrate refuses bad options") {
   check_options({"--prior", "time_shift=0:1e-3"}, {"--prior: 'time_shift': ", "not fitted"});
   check_options({"--motion-of", "drop_9=x.toml"}, {"--motion-of: 'drop_9': ", "no such drop"});
   check_options({"--height-of", "drop_1=-1"}, {"--height-of: '-1': ", "at least 0"});
+  check_options({"--height-of", "drop_1=0.2", "--height-of", "drop_1.csv=0.3"},
+                {"--height-of: 'drop_1.csv': given twice"});
   check_options({"--speed-of", "drop_1=fast"}, {"--speed-of: 'fast': ", "a finite number"});
   check_options({"--accuracy", "1"}, {"accuracy: 1: "});
   check_options({"--validate", "nowhere.csv"}, {"nowhere.csv"});

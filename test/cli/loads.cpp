@@ -42,6 +42,8 @@ TEST_CASE("a load that cannot be is refused where it stands") {
   refused(replaced(kKnee, "joint", "contact = \"foot\"\njoint"), {"contact", "a load of the kind torque has none"});
   refused(kKnee + kKnee, {"name", "given twice"});
   refused(kNoTouch + "limit = false\n", {"limit", "true is needed"});
+  refused(kNoTouch + "rating = 1\n", {"rating", "0 is needed"});
+  refused(replaced(kKnee, "name = \"knee\"", "name = \"peak\""), {"name", "'peak'", "another name"});
   refused(kKnee + "unit = \"Nm\"\n", {"unknown key", "unit"});
   const std::string rate = replaced(kKnee, "\"torque\"", "\"reference_rate\"");
   refused(rate + "limit = false\n", {"limit", "a reference rate is no amount", "true is needed"});

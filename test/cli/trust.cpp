@@ -92,6 +92,12 @@ TEST_CASE("identify --strict: exit 1 where a constant is not trusted, with every
   CHECK_THAT(r.err, Contains("these trials "));
 }
 
+TEST_CASE("identify --diagnose: a term with a prior is left out of the models that lack it") {
+  const Folder f;
+  done(f, {"identify", dataset("impact/trial_4.csv"), dataset("impact/trial_8.csv"), "--rig", kRig, "--nuisance",
+           "friction", "--prior", "friction=0.3:0.3", "--diagnose", "-o", "out"});
+}
+
 TEST_CASE("identify --diagnose: the ladder and each trial left out") {
   const Folder f;
   const Arguments command =

@@ -4,6 +4,7 @@
 
 #include "common/degrees.hpp"
 #include "landing/body/load.hpp"
+#include "landing/lanes/body_batch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "landing/plan/body_risk.hpp"
@@ -281,4 +282,28 @@ TEST_CASE("legs: a limit that binds is kept in 0.99 of 10,000 fresh drops, on th
     CHECK(n == 10'000);
     CHECK(1 - double(p.under->broken) / n >= 0.99 - 3 * error);
   }
+}
+
+TEST_CASE("legs: a motor that is clamped at its rating keeps it, whatever rounding makes of its torque", "[legs]") {
+  BodyScene scene = shipped("hopper");
+  constexpr double kLimit = 5.4;  // [Nm], no power of two: clamped in many of the drops
+  for (Joint& j : scene.robot.joints) j.sea.tau_max = kLimit, j.motor_torque_max = kLimit;
+  CHECK(respect_ratings(scene).empty());
+  const BodyMotion held = held_posture(scene);
+  int clamped = 0;
+  std::vector<BodyScene> drops(200, scene);
+  std::vector<BodyBatchCase> cases;
+  for (std::size_t i = 0; i < drops.size(); ++i) {
+    drops[i].drop.height = 0.1 + 0.002 * double(i);
+    cases.push_back({&drops[i], &held});
+    const BodyLanding l = simulate(drops[i], held);
+    INFO("from " << drops[i].drop.height << " m");
+    CHECK((!l.broken || scene.loads[std::size_t(l.broken.load)].kind != Kind::kMotorTorque));
+    for (const JointDemands& d : l.demands) clamped += d.motor_torque >= kLimit * (1 - 1e-12);
+  }
+  CHECK(clamped > 100);
+  std::vector<BodyLanding> lanes(cases.size());
+  body_batch_peaks(cases, lanes, {});
+  for (const BodyLanding& l : lanes)
+    CHECK((!l.broken || scene.loads[std::size_t(l.broken.load)].kind != Kind::kMotorTorque));
 }

@@ -122,9 +122,9 @@ NumberRange number_range(const std::string& option, const std::string& text, boo
 std::size_t choice_index(const std::string& option, const std::string& text, const std::vector<std::string>& choices) {
   const auto found = std::find(choices.begin(), choices.end(), text);
   if (found != choices.end()) return std::size_t(found - choices.begin());
-  throw InputError(fmt::format("{}: {}: {} or {} is needed{}", option, quoted(text),
-                               fmt::join(choices.begin(), choices.end() - 1, ", "), choices.back(),
-                               hint(text, choices)));
+  const std::string others = fmt::format("{}", fmt::join(choices.begin(), choices.end() - 1, ", "));
+  throw InputError(fmt::format("{}: {}: {}{}{} is needed{}", option, quoted(text), others, others.empty() ? "" : " or ",
+                               choices.back(), hint(text, choices)));
 }
 
 std::size_t constant_index(const std::string& option, const std::string& name) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/degrees.hpp"
+#include "landing/body/load.hpp"
 
 namespace ukemi::tools {
 
@@ -85,8 +86,9 @@ std::vector<ExceededRating> exceeded_ratings(const BodyScene& scene, const BodyM
     const Joint& joint = robot.joints[i];
     if (!joint.driven()) continue;
     const double speed = speed_of(motion[i], start, l.demands[i]), torque = l.demands[i].motor_torque;
-    if (joint.speed_max && speed > *joint.speed_max) out.push_back({&joint, speed, *joint.speed_max, "rad/s", "at"});
-    if (joint.motor_torque_max && torque > *joint.motor_torque_max)
+    if (joint.speed_max && speed > allowed(*joint.speed_max))
+      out.push_back({&joint, speed, *joint.speed_max, "rad/s", "at"});
+    if (joint.motor_torque_max && torque > allowed(*joint.motor_torque_max))
       out.push_back({&joint, torque, *joint.motor_torque_max, "Nm", "with"});
   }
   return out;

@@ -33,14 +33,6 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-namespace {
-
-constexpr const char* kSupported =
-    "it does not take robots of links; what takes them: simulate, optimize, risk, compare, map, calibrate, atlas, "
-    "trade, robot";
-
-}  // namespace
-
 std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const std::string& option) {
   std::vector<GivenDrive> out;
   for (const std::string& text : given) {
@@ -102,7 +94,7 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
 }  // namespace
 
 void refuse(bool given, const char* option) {
-  if (given) throw InputError(fmt::format("{}: {}", option, kSupported));
+  if (given) throw InputError(fmt::format("{}: it is not for robots of links", option));
 }
 
 std::optional<double> checked_height(const std::optional<double>& height) {

@@ -109,13 +109,17 @@ std::optional<std::string> value_of(const std::string& option, const std::vector
 
 namespace {
 
+/// Throws InputError where an item names a drop that is not given, or one that an item before it has named.
 void check(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
+  std::vector<std::string> drops = a.drops, named;
+  drops.insert(drops.end(), a.validate.begin(), a.validate.end());
   for (const std::string& item : items) {
     const std::string drop = assignment(option, item).name;
-    const auto matches = [&](const std::string& path) { return refers_to(drop, path); };
-    if (std::none_of(a.drops.begin(), a.drops.end(), matches) &&
-        std::none_of(a.validate.begin(), a.validate.end(), matches))
-      throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
+    const auto path = std::find_if(drops.begin(), drops.end(), [&](const auto& p) { return refers_to(drop, p); });
+    if (path == drops.end()) throw InputError(option + ": " + quoted(drop) + ": no such drop is given");
+    if (std::find(named.begin(), named.end(), *path) != named.end())
+      throw InputError(option + ": " + quoted(drop) + ": given twice");
+    named.push_back(*path);
   }
 }
 
