@@ -10,6 +10,7 @@
 #include "common/actuator_constants.hpp"
 #include "common/error.hpp"
 #include "identify/estimate/covariance.hpp"
+#include "identify/logs/trial_checks.hpp"
 
 namespace ukemi::identify {
 
@@ -232,13 +233,37 @@ SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters
   if (!has_flat_valley(out.fit) && (!unexplained() || (met && !out.fit.far_above_noise))) return warnings;
   FitOptions explore = e.options;
   explore.explore = kMoreStarts;
-  replace_if_better(fit(e.rig, e.trials, start, base, explore), fmt::format("from {} drawn starts", kMoreStarts));
+  Fit explored = fit(e.rig, e.trials, start, base, explore);
+  std::vector<Minimum> minima = explored.minima;
+  replace_if_better(std::move(explored), fmt::format("from {} drawn starts", kMoreStarts));
+  if (!minima.empty()) out.fit.minima = std::move(minima);
   if (e.options.monitor.stopped()) return out.fit.interrupted = true, warnings;
   if (!terms.empty() && doubtful(out))
     warnings.failed = fmt::format(
         "{}: where its score test points and {} drawn starts found nothing better: the model lacks something else",
         fmt::join(terms, " and "), kMoreStarts);
   return warnings;
+}
+
+/// Distrusts constants that another minimum, which explains the logs as well, puts beyond their intervals; warns of it.
+void distrust_by_minima(const Experiment& e, Fit& fit) {
+  constexpr double kAsWell = 3.84;  // of the deviance: 95 % of chi-squared, one degree of freedom
+  const double n = double(measurements(e.trials));
+  for (const Minimum& m : fit.minima) {
+    const Minimum& lowest = fit.minima.front();
+    if (n * std::log(m.cost / lowest.cost) > kAsWell) continue;
+    std::vector<std::string> elsewhere;
+    for (Estimate& constant : fit.parameters) {
+      const RigTerm& term = e.options.terms[constant.name];
+      const double value = term.value_in(m.sea);
+      if (!constant.std || std::abs(value - term.value_in(lowest.sea)) <= constant.half_width()) continue;
+      elsewhere.push_back(fmt::format("{} {:.4g}", constant.name, value));
+      if (constant.verdict == Identifiability::kTrusted) constant.verdict = Identifiability::kWeak;
+    }
+    if (!elsewhere.empty())
+      fit.warnings.push_back(
+          fmt::format("another minimum explains these logs as well, with {}: not trusted", fmt::join(elsewhere, ", ")));
+  }
 }
 
 /// Refits with a smooth force between the samples where the residuals suggest it; where these are then smaller,
@@ -258,6 +283,7 @@ std::optional<std::vector<Trial>> try_smooth_force(const Experiment& e, Identifi
 void finish(const Experiment& fitted, const SecondSearch& second, const TrustOptions& options, Identification& out) {
   if (!second.better.empty()) out.fit.warnings.push_back(second.better);
   if (!second.failed.empty() && doubtful(out)) out.fit.warnings.push_back(second.failed);
+  distrust_by_minima(fitted, out.fit);
   warn_of_choices(fitted.options.terms, out);
   add_refits(fitted, out.fit, options, *out.trust);
 }

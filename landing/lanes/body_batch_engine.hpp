@@ -5,6 +5,7 @@
 #include "landing/body/body_rest.hpp"
 #include "landing/body/load.hpp"
 #include "landing/body/load_value.hpp"
+#include "landing/body/rating.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
 #include "landing/lanes/body_lane_mode.hpp"
@@ -194,8 +195,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       x.evaluator.copy_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
                             [i](T& lanes, double number) { lanes.set(i, number); });
       const double rating = loads[k].load().rating,
-                   threshold =
-                       tracked_value(x.load(), x.load().limit ? allowed(rating) : case_[i].abandon_above * rating);
+                   threshold = tracked_value(x.load(), x.load().limit ? allowed(loads[k].load(), case_[i].scene->robot)
+                                                                      : case_[i].abandon_above * rating);
       x.max_square.set(i, threshold * threshold);
       x.maximum.square.set(i, 0), x.maximum.t.set(i, 0), x.maximum.start.set(i, 0), x.touching.set(i, false);
     }

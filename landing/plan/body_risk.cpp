@@ -6,7 +6,7 @@
 
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
-#include "landing/body/load.hpp"
+#include "landing/body/rating.hpp"
 #include "landing/judge/census.hpp"
 
 namespace ukemi::landing {
@@ -39,7 +39,8 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
   return out;
 }
 bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
-  if (e.load >= 0) return loads_of(scene, l)[std::size_t(e.load)].value > allowed(e.limit);
+  if (e.load >= 0)
+    return loads_of(scene, l)[std::size_t(e.load)].value > allowed(scene.loads[std::size_t(e.load)], scene.robot);
   const JointDemands& d = l.demands[std::size_t(e.joint)];
   return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > allowed(e.limit);
 }

@@ -94,7 +94,11 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
 }  // namespace
 
 void refuse(bool given, const char* option) {
-  if (given) throw InputError(fmt::format("{}: it is not for robots of links", option));
+  if (given)
+    throw InputError(fmt::format(
+        "{}: it is not for robots of links; what takes them: simulate, optimize, risk, compare, map, calibrate, atlas, "
+        "trade, robot",
+        option));
 }
 
 std::optional<double> checked_height(const std::optional<double>& height) {
