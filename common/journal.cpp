@@ -54,12 +54,12 @@ void Journal::read(std::string_view header, std::size_t record_size, const std::
     }
   }
   if (::ftruncate(file_, off_t(valid)) != 0 || ::lseek(file_, off_t(valid), SEEK_SET) < 0) fail_to_write();
-  errno = ENOSPC;  // reason of a short write
-  if (valid == 0 && ::write(file_, header.data(), header.size()) != ssize_t(header.size())) fail_to_write();
+  if (valid == 0) write(header);
 }
 
-void Journal::add(std::string_view record) {
-  const std::string text = std::string(record) + checksum(record);
+void Journal::add(std::string_view record) { write(std::string(record) + checksum(record)); }
+
+void Journal::write(std::string_view text) const {
   errno = ENOSPC;  // reason of a short write
   if (::write(file_, text.data(), text.size()) != ssize_t(text.size())) fail_to_write();
 }

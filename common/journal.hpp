@@ -29,6 +29,7 @@ class Journal {
  private:
   [[noreturn]] void fail(const std::string& what) const;
   [[noreturn]] void fail_to_write() const;
+  void write(std::string_view text) const;
   void read(std::string_view header, std::size_t record_size, const std::string& what);
 
   std::string path_;

@@ -234,9 +234,8 @@ SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters
   FitOptions explore = e.options;
   explore.explore = kMoreStarts;
   Fit explored = fit(e.rig, e.trials, start, base, explore);
-  std::vector<Minimum> minima = explored.minima;
+  if (!explored.minima.empty()) out.fit.minima = explored.minima;
   replace_if_better(std::move(explored), fmt::format("from {} drawn starts", kMoreStarts));
-  if (!minima.empty()) out.fit.minima = std::move(minima);
   if (e.options.monitor.stopped()) return out.fit.interrupted = true, warnings;
   if (!terms.empty() && doubtful(out))
     warnings.failed = fmt::format(
@@ -248,9 +247,10 @@ SecondSearch search_again(const Experiment& e, const std::optional<SeaParameters
 /// Distrusts constants that another minimum, which explains the logs as well, puts beyond their intervals; warns of it.
 void distrust_by_minima(const Experiment& e, Fit& fit) {
   constexpr double kAsWell = 3.84;  // of the deviance: 95 % of chi-squared, one degree of freedom
+  if (fit.minima.empty()) return;
   const double n = double(measurements(e.trials));
+  const Minimum& lowest = fit.minima.front();
   for (const Minimum& m : fit.minima) {
-    const Minimum& lowest = fit.minima.front();
     if (n * std::log(m.cost / lowest.cost) > kAsWell) continue;
     std::vector<std::string> elsewhere;
     for (Estimate& constant : fit.parameters) {

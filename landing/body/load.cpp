@@ -80,6 +80,9 @@ void read_place(TomlSection& s, const Robot& robot, const std::vector<Load>& sto
   if (!(out.phi[0] < out.phi[1])) s.fail("phi_deg", "the range is empty: [low, high] with low < high is needed");
 }
 
+/// Whether loads of this kind can only be limits: their values are not minimised.
+bool is_limit_only(Kind k) { return k == Kind::kTouch || k == Kind::kReferenceRate; }
+
 }  // namespace
 
 const char* name(Kind kind) { return info(kind).name; }
@@ -102,9 +105,6 @@ std::string place_of(const Load& l, const Robot& robot) {
   }
   return "";
 }
-
-/// Whether loads of this kind can only be limits: their values are not minimised.
-static bool is_limit_only(Kind k) { return k == Kind::kTouch || k == Kind::kReferenceRate; }
 
 std::vector<Load> read_loads(TomlFile& file, const Robot& robot, const std::vector<Load>& stops) {
   std::vector<Load> out = stops;
@@ -164,6 +164,14 @@ void check(const Load& l, const Robot& robot) {
   else
     check_positive("load.rating", l.rating);
   if (l.kind == Kind::kAngle && !(l.phi[0] < l.phi[1])) throw InputError(what + "the range is empty");
+}
+
+double rating_limit(const Load& load, const Robot& robot) {
+  if (load.kind == Kind::kMotorTorque) {
+    const Joint& j = robot.joints[std::size_t(load.index)];
+    if (j.kind == DriveKind::kGeared && j.sea.tau_max <= load.rating) return std::numeric_limits<double>::infinity();
+  }
+  return rating_limit(load.rating);
 }
 
 bool observed(const BodyScene& scene) {

@@ -43,7 +43,10 @@ bool rated(const BodyScene& scene);
 /// Index of the load that gives the worth; -1 without loads to minimise.
 int binding(const BodyScene& scene, const BodyLanding& landing);
 /// The largest value that keeps a rating: rounding may take a torque that is clamped at it beyond it.
-constexpr double allowed(double rating) { return rating * (1 + 1e-12); }
+constexpr double rating_limit(double rating) { return rating * (1 + 1e-12); }
+/// The same of a load; infinite for the torque of a geared motor whose tau_max is within its rating: lanes, which place
+/// that limit's event less exactly, may read a little more.
+double rating_limit(const Load& load, const Robot& robot);
 /// The values of all loads, even if the run did not observe them.
 std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing);
 

@@ -21,7 +21,8 @@ class LoadObserver {
 
   LoadObserver(const BodyScene& scene, const System& s) {
     for (const Load& l : scene.loads)
-      items_.push_back({.evaluator{l, s}, .is_peak = is_peak_acceleration(l, scene.robot)});
+      items_.push_back(
+          {.evaluator{l, s}, .is_peak = is_peak_acceleration(l, scene.robot), .limit = rating_limit(l, scene.robot)});
   }
 
   /// `peak`: the tracker of the peak point, already updated with this step.
@@ -80,8 +81,7 @@ class LoadObserver {
   /// Index of the first broken limit; -1: none.
   int exceeded() const {
     for (std::size_t i = 0; i < items_.size(); ++i)
-      if (items_[i].evaluator.load().limit && items_[i].peak.value > allowed(items_[i].evaluator.load().rating))
-        return int(i);
+      if (items_[i].evaluator.load().limit && items_[i].peak.value > items_[i].limit) return int(i);
     return -1;
   }
   /// See RestSquare; -1, never at rest, during a touch whose impulse is a load.
@@ -98,6 +98,7 @@ class LoadObserver {
   struct Item {
     LoadValue<System> evaluator;
     bool is_peak = false;  ///< the acceleration of the peak point
+    double limit;          ///< see rating_limit
     PeakTracker tracker{};
     double last = 0;  ///< the square at the end of the last step
     LoadPeak peak{};

@@ -5,7 +5,6 @@
 #include "landing/body/body_rest.hpp"
 #include "landing/body/load.hpp"
 #include "landing/body/load_value.hpp"
-#include "landing/body/rating.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/lanes/body_batch_entry.hpp"
 #include "landing/lanes/body_lane_mode.hpp"
@@ -195,8 +194,9 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       x.evaluator.copy_arms(LoadValue<typename Course::System>(x.load(), course_[i]->system),
                             [i](T& lanes, double number) { lanes.set(i, number); });
       const double rating = loads[k].load().rating,
-                   threshold = tracked_value(x.load(), x.load().limit ? allowed(loads[k].load(), case_[i].scene->robot)
-                                                                      : case_[i].abandon_above * rating);
+                   threshold =
+                       tracked_value(x.load(), x.load().limit ? rating_limit(loads[k].load(), case_[i].scene->robot)
+                                                              : case_[i].abandon_above * rating);
       x.max_square.set(i, threshold * threshold);
       x.maximum.square.set(i, 0), x.maximum.t.set(i, 0), x.maximum.start.set(i, 0), x.touching.set(i, false);
     }
@@ -239,7 +239,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       if (loads[k].kind != Load::Kind::kReferenceRate) continue;
       const double rate = peak_reference_rate((*case_[i].motion)[std::size_t(loads[k].index)], t);
       out_[i].loads[k] = {rate, t};
-      if (rate > loads[k].rating) broken(i, {int(k), t});
+      if (rate > rating_limit(loads[k].rating)) broken(i, {int(k), t});
     }
     course_[i]->land(t);
   }

@@ -9,7 +9,7 @@
 #include "common/eigen.hpp"
 #include "landing/body/command_path.hpp"
 #include "landing/body/floor_constants.hpp"
-#include "landing/body/rating.hpp"
+#include "landing/body/load.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "landing/scatter/drop_model.hpp"
@@ -211,7 +211,7 @@ PeaksOver peaks_over(std::span<const BodyDrop> drops, const BodyMotion& motion, 
     out.peaks[k] = worth(scene, l.peak, loads);
     out.exceeded.resize(loads.size());
     for (std::size_t i = 0; i < loads.size(); ++i)
-      out.exceeded[i] += loads[i].value > allowed(scene.loads[i], scene.robot);
+      out.exceeded[i] += loads[i].value > rating_limit(scene.loads[i], scene.robot);
   }
   return out;
 }

@@ -36,7 +36,7 @@ class BodyPlanner {
   /// Of the options `deadline` and `starts` are set by each call. Throws InputError as `plan`.
   explicit BodyPlanner(const BodyScene& scene, const BodyPlanOptions& options = {.goal = Goal::kTolerant});
 
-  /// The best motion for a drop from rest that is found within `deadline` seconds from the call (> 0, finite).
+  /// The best motion for a drop from rest that is found within `deadline` seconds from the call (> 0, <= 1000).
   [[nodiscard]] BodyAnswer plan(const Drop& drop, double deadline, std::uint64_t seed = 1);
   /// The same for a robot in the air, whose references stand at the measured angles until the deadline and can move
   /// from then on. No worse than holding there, where that keeps the limits. Throws nothing for bad measurements.

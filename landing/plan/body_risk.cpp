@@ -6,7 +6,7 @@
 
 #include "common/checks.hpp"
 #include "common/parallel.hpp"
-#include "landing/body/rating.hpp"
+#include "landing/body/load.hpp"
 #include "landing/judge/census.hpp"
 
 namespace ukemi::landing {
@@ -40,9 +40,9 @@ std::vector<RiskEvent> events_of(const BodyScene& scene) {
 }
 bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
   if (e.load >= 0)
-    return loads_of(scene, l)[std::size_t(e.load)].value > allowed(scene.loads[std::size_t(e.load)], scene.robot);
+    return loads_of(scene, l)[std::size_t(e.load)].value > rating_limit(scene.loads[std::size_t(e.load)], scene.robot);
   const JointDemands& d = l.demands[std::size_t(e.joint)];
-  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > allowed(e.limit);
+  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > rating_limit(e.limit);
 }
 
 /// The touchdown that opened the interval of the peak, from 1; 0: before the first.

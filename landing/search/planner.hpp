@@ -72,7 +72,7 @@ class Planner {
   Planner(const Scene& scene, const SeaParameters<double>& sea) : Planner(scene, sea, Options()) {}
   ~Planner();
 
-  /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0 and finite;
+  /// The best motion for a drop that can be found and verified within `deadline` seconds from the call (> 0, <= 1000;
   /// the answer comes 3 ms after it at most, however stiff the scene: landings are cut off). No worse than the best
   /// posture to hold that is known by then (Search::held), and than the last plan, or the first of `start`, for this
   /// drop. Throws nothing for bad measurements: see Plan::Status.

@@ -314,7 +314,7 @@ TEST_CASE("search: a planner answers whatever is measured, and throws nothing") 
   FallState turned = good;
   turned.vertical_speed = kNan;
   CHECK_THAT(planner.plan(turned, 0.02).wrong, Catch::Matchers::StartsWith("vertical_speed"));
-  for (const double deadline : {0.0, -1.0, kInf, kNan}) {
+  for (const double deadline : {0.0, -1.0, 1001.0, kInf, kNan}) {
     CHECK_THAT(planner.plan(good, deadline).wrong, Catch::Matchers::StartsWith("deadline"));
     CHECK_THAT(planner.plan(scene.drop, deadline).wrong, Catch::Matchers::StartsWith("deadline"));
   }

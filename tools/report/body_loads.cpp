@@ -59,7 +59,7 @@ Json report_loads(const BodyScene& scene, const BodyLanding& landing, const std:
   std::vector<LoadRow> rows;
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
     rows.push_back({&scene.robot, scene.loads[i], peaks[i], int(i) == binds});
-    if (report && scene.loads[i].limit && peaks[i].value > allowed(scene.loads[i].rating))
+    if (report && scene.loads[i].limit && peaks[i].value > rating_limit(scene.loads[i], scene.robot))
       run.warn(fmt::format("the load {} is beyond its limit: {}", scene.loads[i].name,
                            violation_words(scene.loads[i], peaks[i].value, scene.robot)));
   }
