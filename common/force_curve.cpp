@@ -88,11 +88,18 @@ void ForceCurve::add(std::size_t interval, double t, const Cubic& smooth) {
 }
 
 /// Appends the interval before a pulse, or after it. The pulse begins or ends `crossing` [s] from its sample there,
-/// where `end`, its curve with u from that sample, crosses rest.
+/// where `end`, its curve with u from that sample, crosses rest; a straight line joins that to the sample next to it.
 void ForceCurve::add_onset(std::size_t interval, const Cubic& end, double crossing, bool before) {
-  const double t = samples_.t[interval + (before ? 1 : 0)] + crossing;
-  add(interval, samples_.t[interval], before ? rest() : end);
-  add(interval, t, before ? shifted(end, crossing) : rest());
+  const double rest = samples_.rest, t = samples_.t[interval + (before ? 1 : 0)] + crossing;
+  if (before) {
+    const double f = samples_.force[interval], length = t - samples_.t[interval];
+    add(interval, samples_.t[interval], {f, length > 0 ? (rest - f) / length : 0, 0, 0});
+    add(interval, t, shifted(end, crossing));
+  } else {
+    const double f = samples_.force[interval + 1], length = samples_.t[interval + 1] - t;
+    add(interval, samples_.t[interval], end);
+    add(interval, t, {rest, length > 0 ? (f - rest) / length : 0, 0, 0});
+  }
 }
 
 /// Whether no interval between these samples is much shorter or longer than their median: else a spline may overshoot.
@@ -143,10 +150,11 @@ Cubic ForceCurve::from(double t) const {
 ForceCurve::ForceCurve(const ForceSamples& samples) : samples_(samples) {
   const auto& f = samples_.force;
   if (!samples_.smooth || f.size() < 2) return;
-  const auto off_rest = [&](std::size_t i) { return f[i] != samples_.rest; };
+  const auto off_rest = [&](std::size_t i) { return std::abs(f[i] - samples_.rest) > samples_.within; };
   for (std::size_t i = 0; i < f.size();) {
     if (!off_rest(i)) {
-      if (!at_rest_ && i + 1 < f.size() && !off_rest(i + 1)) add(i, samples_.t[i], rest());
+      const bool between = i + 1 < f.size() && !off_rest(i + 1);
+      if (between && !(at_rest_ && linear(i) == rest())) add(i, samples_.t[i], linear(i));
       ++i;
       continue;
     }

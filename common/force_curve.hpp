@@ -20,16 +20,17 @@ struct ForceSamples {
   std::span<const double> t, force;   ///< [s], increasing; [N]
   double rest = 0;                    ///< reading between pulses [N]
   std::optional<double> smooth = {};  ///< blending factor s below; none: linear between samples
+  double within = 0;                  ///< a sample this far from rest, or less, is in no pulse [N]
 };
 
 /// F(t) as pieces on the force's own clock, from its first sample to its last; s blends
 ///
 ///     F = (1 - s) F_linear + s F_smooth.
 ///
-/// F_smooth is at rest between pulses. A pulse is a run of at least four samples off rest, and
+/// F_smooth is linear between pulses. A pulse is a run of at least four samples off rest, and
 /// F_smooth the cubic spline through them. Where that is steep rather than bent at an end of the run, it is continued
 /// to where it meets rest within the next interval, so that a blow that begins between two samples keeps its impulse;
-/// else the spline reaches to the sample at rest, with slope 0 there. Shorter runs, and runs with intervals below 0.1
+/// else the spline reaches to the next sample, with slope 0 there. Shorter runs, and runs with intervals below 0.1
 /// or above 2 times their median, stay linear. Ours: the paper does not say how its force is interpolated.
 class ForceCurve {
  public:

@@ -10,9 +10,12 @@ namespace ukemi::identify {
 
 namespace {
 
-/// Number of samples before the force first exceeds a twentieth of its maximum, less a fifth, which may hold its rise.
+constexpr double kDetection = 5;  // what a hit exceeds, in standard deviations of the force's noise
+
+/// Number of samples before the force first exceeds its noise and a twentieth of its maximum, less a fifth, which may
+/// hold its rise.
 std::size_t samples_at_rest(const std::vector<double>& force) {
-  const double small = 0.05 * largest_deviation(force);
+  const double small = std::max(0.05 * largest_deviation(force), kDetection * noise_level(force));
   std::size_t n = 0;
   while (n < force.size() && std::abs(force[n]) <= small) ++n;
   return n < force.size() ? 4 * n / 5 : 0;
@@ -29,16 +32,17 @@ const std::vector<double>& force_times(const Trial& trial) { return trial.force_
 }  // namespace
 
 std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest) {
-  constexpr double kDetection = 5;  // in standard deviations: noise alone exceeds it 6e-7 of the time
   const std::vector<double>& f = trial.force;
   std::vector<LoggedHit> out;
   for (std::size_t i = 0; i < f.size(); ++i) {
     if (!(std::abs(f[i] - rest) > kDetection * noise)) continue;
-    const auto acts = [&](std::size_t k) { return std::abs(f[k] - rest) > noise && (f[k] > rest) == (f[i] > rest); };
+    const auto acts = [&](std::size_t k) {
+      return std::abs(f[k] - rest) > kHitEnd * noise && (f[k] > rest) == (f[i] > rest);
+    };
     LoggedHit hit{i, i};
     const std::size_t earliest = out.empty() ? 0 : out.back().last + 1;
-    while (hit.first > earliest && acts(hit.first - 1)) --hit.first;
-    while (hit.last + 1 < f.size() && acts(hit.last + 1)) ++hit.last;
+    while (hit.first > earliest && acts(hit.first)) --hit.first;
+    while (hit.last + 1 < f.size() && acts(hit.last)) ++hit.last;
     if (!out.empty() && out.back().last + 1 == hit.first)
       out.back().last = hit.last;
     else
@@ -66,23 +70,31 @@ void flatten_force_between_hits(Trial& trial, std::optional<double> noise) {
   if (!(sigma > 0)) return;
   const std::size_t n = samples_at_rest(trial.force);
   double rest = n > 0 ? mean(trial.force, n) : 0;
-  if (std::abs(rest) <= 4 * sigma / std::sqrt(double(std::max<std::size_t>(n, 1)))) rest = 0;
-  // The samples before the first hit locate the hits; all samples between hits then give the noise better.
+  // The samples before the first hit locate the hits; all samples between hits then give noise and rest better.
   constexpr double kMaxRatio = 2;  // of what is removed, over the noise before the first hit
   const double max_noise = kMaxRatio * sigma;
-  std::vector<double> flattened;
-  for (int pass = 0; pass < (noise ? 1 : 3); ++pass) {
-    flattened.assign(trial.force.size(), rest);
-    for (const LoggedHit& h : hits(trial, sigma, rest))
-      std::copy(trial.force.begin() + long(h.first), trial.force.begin() + long(h.last) + 1,
-                flattened.begin() + long(h.first));
-    double square = 0, count = 0;
-    for (std::size_t i = 0; i < flattened.size(); ++i)
-      if (flattened[i] != trial.force[i]) square += (trial.force[i] - rest) * (trial.force[i] - rest), ++count;
-    if (count == 0) break;
-    if (square > max_noise * max_noise * count) return;
-    if (!noise) sigma = std::sqrt(square / count);
+  std::vector<double> between;
+  for (int pass = 0; pass < 3; ++pass) {
+    between.clear();
+    std::size_t next = 0;
+    const auto add_until = [&](std::size_t end) {
+      between.insert(between.end(), trial.force.begin() + long(next), trial.force.begin() + long(end));
+    };
+    for (const LoggedHit& h : hits(trial, sigma, rest)) add_until(h.first), next = h.last + 1;
+    add_until(trial.force.size());
+    if (between.empty()) break;
+    rest = mean(between, between.size());
+    double square = 0;
+    for (const double f : between) square += (f - rest) * (f - rest);
+    if (square > max_noise * max_noise * double(between.size())) return;
+    if (!noise && square > 0) sigma = std::sqrt(square / double(between.size()));
   }
+  const std::vector<LoggedHit> found = hits(trial, sigma, rest);
+  if (std::abs(rest) <= 4 * sigma / std::sqrt(double(between.size()))) rest = 0;
+  std::vector<double> flattened(trial.force.size(), rest);
+  for (const LoggedHit& h : found)
+    std::copy(trial.force.begin() + long(h.first), trial.force.begin() + long(h.last) + 1,
+              flattened.begin() + long(h.first));
   trial.force = std::move(flattened);
   trial.force_noise = sigma, trial.force_rest = rest;
 }

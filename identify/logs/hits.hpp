@@ -9,13 +9,16 @@
 
 namespace ukemi::identify {
 
+/// The force is at rest in a sample at most this far from it, in standard deviations of its noise.
+inline constexpr double kHitEnd = 2.5;
+
 /// A hit: samples first .. last of a trial's force.
 struct LoggedHit {
   std::size_t first, last;
 };
 /// The hits of a log whose load cell adds `noise` [N, standard deviation] to `rest` [N]: each sample
-/// farther from rest than 5 times the noise, extended both ways to where the force is within the noise. Without noise:
-/// wherever it is not at rest.
+/// farther from rest than 5 times the noise, extended both ways to the first sample within kHitEnd times the
+/// noise, that one included: a hit that ended before it would lose the force there.
 std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest = 0);
 
 /// Standard deviation of the force before the first hit [N]; 0 where there are too few samples before it, or where they
@@ -23,7 +26,7 @@ std::vector<LoggedHit> hits(const Trial& trial, double noise, double rest = 0);
 double force_noise_before_first_hit(const Trial& trial);
 
 /// Sets the force between hits, where nothing touches the link, to the load cell's reading at rest: 0 unless its mean
-/// before the first hit differs from 0 by more than 4 of its standard errors. Sets Trial::force_noise and force_rest.
+/// between hits differs from 0 by more than 4 of its standard errors. Sets Trial::force_noise and force_rest.
 /// `noise` [N] >= 0; absent: estimated as above, then from all samples between hits. No change without noise, or where
 /// the force is not at rest between its hits.
 void flatten_force_between_hits(Trial& trial, std::optional<double> noise = std::nullopt);

@@ -6,6 +6,7 @@
 #include "common/checks.hpp"
 #include "common/force_curve.hpp"
 #include "common/median.hpp"
+#include "identify/logs/hits.hpp"
 #include "identify/rollout/kernels.hpp"
 
 namespace ukemi::identify {
@@ -34,7 +35,8 @@ std::vector<PreparedTrial::Segment> PreparedTrial::cut(double shift, double dela
   const ForceCurve force({.t = trial->force_t.empty() ? t : trial->force_t,
                           .force = trial->force,
                           .rest = trial->force_rest,
-                          .smooth = trial->force_smooth == 0 ? std::nullopt : std::optional(trial->force_smooth)});
+                          .smooth = trial->force_smooth == 0 ? std::nullopt : std::optional(trial->force_smooth),
+                          .within = kHitEnd * trial->force_noise});
   const std::size_t begins = trial->force.empty() ? 0 : force.pieces() + 1;
   std::vector<Segment> out;
   constexpr double kSameTime = 1e-12;  // tolerance of equal times [s]

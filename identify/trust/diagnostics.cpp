@@ -251,7 +251,7 @@ double deviance(const Fit& fit, const std::vector<Trial>& trials, const FitOptio
   }
   double sum = 0;
   for (std::size_t m = 0; m < trials.size(); ++m)
-    sum += double(trials[m].measurements()) * 2 * std::log(fit.trials[m].rms);
+    sum += double(trials[m].measurements()) * 2 * std::log(white_rms(trials[m], fit.trials[m]));
   return sum;
 }
 

@@ -273,7 +273,8 @@ std::optional<std::vector<Trial>> try_smooth_force(const Experiment& e, Identifi
   std::vector<Trial> smooth = e.trials;
   for (Trial& t : smooth) t.force_smooth = 1;
   Fit smooth_fit = refit(e.rig, smooth, out.fit.sea, e.options);
-  if (!(smooth_fit.converged && smooth_fit.rms < out.fit.rms)) return std::nullopt;
+  if (!(smooth_fit.converged && deviance(smooth_fit, smooth, e.options) < deviance(out.fit, e.trials, e.options)))
+    return std::nullopt;
   replace(std::move(smooth_fit), out.fit), out.force_smooth = 1;
   out.trust = test_fit({e.rig, smooth, e.options}, out.fit);
   return smooth;
