@@ -280,6 +280,39 @@ std::optional<std::vector<Trial>> try_smooth_force(const Experiment& e, Identifi
   return smooth;
 }
 
+/// Of the terms whose absence the tests reject, and which they find within what the rig states of their error, the one
+/// of largest worth; null where there is none.
+const ScoreTest* missing_stated(const ResidualTests& tests, const Terms<RigTerm>& terms, const Fit& fit) {
+  constexpr double kWithin = 3;  // standard deviations
+  const ScoreTest* best = nullptr;
+  for (const ScoreTest& t : tests.score_tests) {
+    const RigErrorKey* stated = terms[t.term].error;
+    if (!t.rejected || !stated || (best && tests.worth(t) <= tests.worth(*best))) continue;
+    for (const Considered& c : fit.considered)
+      if (c.name == stated->key && std::abs(t.size) <= kWithin * c.std) best = &t;
+  }
+  return best;
+}
+
+/// Where the residuals ask for terms whose errors the rig states, fits these along, the stated errors as priors, if
+/// with them the model explains the logs.
+void fit_stated_errors(Experiment& e, Identification& out) {
+  Experiment with = e;
+  Identification attempt = out;
+  while (attempt.fit.converged && !attempt.fit.interrupted && attempt.trust->tests.model_rejected()) {
+    const ScoreTest* missing = missing_stated(attempt.trust->tests, with.options.terms, attempt.fit);
+    if (!missing) return;
+    with.options.terms.nuisance.push_back(missing->term), attempt.stated.push_back(missing->term);
+    replace(refit(with.rig, with.trials, attempt.fit.sea, with.options), attempt.fit);
+    if (attempt.fit.fitted.empty()) return;
+    attempt.trust = test_fit(with, attempt.fit);
+  }
+  if (attempt.stated.empty() || !attempt.fit.converged || attempt.fit.interrupted) return;
+  out = std::move(attempt), e.options = with.options;
+  out.fit.warnings.push_back(fmt::format(
+      "fitted along, within the errors that the rig states: {}: the logs ask for that", fmt::join(out.stated, ", ")));
+}
+
 /// Adds the warnings of the searches before the fit of `fitted`, and the requested refits.
 void finish(const Experiment& fitted, const SecondSearch& second, const TrustOptions& options, Identification& out) {
   if (!second.better.empty()) out.fit.warnings.push_back(second.better);
@@ -309,8 +342,19 @@ Identification identify(const Experiment& experiment, const std::optional<SeaPar
   out.trust = test_fit(reduced, out.fit);
   const SecondSearch second = search_again(reduced, start, base, out);
   std::optional<std::vector<Trial>> smooth;
+  Identification linear = out;
   if (options.force == TrustOptions::Force::kByResiduals) smooth = try_smooth_force(reduced, out);
-  finish({experiment.rig, smooth ? *smooth : trials, reduced.options}, second, options, out);
+  if (smooth) {
+    Experiment smoothed{experiment.rig, *smooth, reduced.options};
+    fit_stated_errors(smoothed, out);
+    // An error of the rig may look like a smooth force.
+    if (out.trust->tests.model_rejected()) fit_stated_errors(reduced, linear);
+    if (linear.stated.empty()) return finish(smoothed, second, options, out), out;
+    out = std::move(linear);
+  } else {
+    fit_stated_errors(reduced, out);
+  }
+  finish(reduced, second, options, out);
   return out;
 }
 

@@ -54,6 +54,7 @@ struct FeedbackFound {
 struct Identification {
   Fit fit;                                ///< errors and verdicts after the examination
   std::vector<HeldTerm> held;             ///< also in Fit::warnings
+  std::vector<std::string> stated;        ///< terms fitted along, within the errors that the rig states
   std::optional<FeedbackFound> feedback;  ///< where both sides were fitted
   double force_smooth = 0;                ///< of the trials as they were fitted
   std::optional<Trust> trust;             ///< none where no start could be followed: Fit::fitted is empty
@@ -62,7 +63,8 @@ struct Identification {
 /// `fit`, then `examine`. Optional terms of the actuator that the trials cannot distinguish from others are held at 0,
 /// one after the other, and the fit is repeated without them. Where the residuals of a fit with a linear force suggest
 /// more than half of the smooth curve, and a fit with it has smaller residuals, that is the result
-/// (TrustOptions::force); Fit::minima are those of the first fit.
+/// (TrustOptions::force). Where they ask for terms within the errors that the rig states, those are fitted along, if
+/// that explains the logs. Fit::minima are those of the first fit.
 [[nodiscard]] Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                                       const SeaParameters<double>& base, const TrustOptions& options = {});
 

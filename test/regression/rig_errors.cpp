@@ -111,6 +111,33 @@ TEST_CASE("an error of the rig counts as far as a fit on the rig with that error
   }
 }
 
+TEST_CASE("a load cell that is off by what the rig states is fitted along, and what is trusted is right") {
+  const int n = draws(12);
+  int rejected = 0, along = 0, within = 0, count = 0;
+  for (int d = 0; d < n; ++d) {
+    Random random(61, std::uint64_t(d));
+    Effects effects;
+    effects.force_gain = 1 + stated().errors.force_gain * random.normal();
+    const auto logs = logs_of(effects, 700 + std::uint64_t(d));
+    const Identification found = identify::identify({stated(), logs, {}}, std::nullopt, stated().mounted({}), {});
+    INFO("draw " << d << ": " << told(found));
+    rejected += found.trust->tests.model_rejected(), along += !found.stated.empty();
+    for (std::size_t k = 0; k < kConstants; ++k) {
+      const Estimate& constant = found.fit.parameters[k];
+      if (constant.verdict != Identifiability::kTrusted) continue;
+      const double z = (constant.value - kDrive[k]) / *constant.std;
+      ++count, within += std::abs(z) < 2;
+      CHECK(std::abs(z) < 3.5);
+    }
+  }
+  INFO(rejected << " rejected, " << along << " with stated errors fitted along, " << within << " of " << count
+                << " within 2");
+  CHECK(rejected <= 0.2 * n);
+  CHECK(along >= 0.3 * n);
+  CHECK(within >= 0.85 * count);
+  CHECK(count >= 0.5 * n * double(kConstants));
+}
+
 TEST_CASE("clocks that differ from trial to trial: an independent draw each") {
   const auto logs = logs_of({}, 2);
   Rig on = rig();
