@@ -14,6 +14,8 @@
 
 namespace ukemi {
 
+constexpr int kGains = 2;  ///< number of constants that are K_p and K_d, the first ones
+
 const char* name(Feedback feedback) { return feedback == Feedback::kOutput ? "output" : "motor"; }
 
 std::optional<Feedback> read_feedback(TomlSection& section) {
@@ -34,7 +36,7 @@ static_assert([] {
 
 const std::array<ActuatorConstant, kActuatorConstants>& actuator_constants() {
   using Sea = SeaParameters<double>;
-  const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = delay_range();
+  static const Range level = Range::non_negative(), part{-1, 1, false, "from -1 to 1"}, late = delay_range();
   static const auto list = std::to_array<ActuatorConstant>({
       {kConstantNames[0], &Sea::k_p, kConstantUnits[0], "Proportional gain", level},
       {kConstantNames[1], &Sea::k_d, kConstantUnits[1], "Derivative gain", level},
@@ -103,16 +105,15 @@ std::optional<double> Actuator::standard_error(const std::string& constant) cons
 bool known_command(const SeaParameters<double>& sea) { return sea.k_t > 0 && sea.k_p == 0 && sea.k_d == 0; }
 
 void read_constants(TomlSection& s, Actuator& a) {
-  const Range constant = Range::non_negative();
-  for (const ActuatorConstant& c : optional_constants())
+  const std::span all(actuator_constants());
+  const auto read = [&](const ActuatorConstant& c) {
     a.sea.*c.at = s.optional_number(c.key, c.range).value_or(c.absent);
-  const bool gains = a.sea.k_t == 0;  // with K_t they may be absent
-  a.sea.k_p = gains ? s.number("k_p", constant) : s.optional_number("k_p", constant).value_or(0);
-  a.sea.k_d = gains ? s.number("k_d", constant) : s.optional_number("k_d", constant).value_or(0);
-  a.sea.k_sea = s.number("k_sea", constant);
-  a.sea.c_sea = s.number("c_sea", constant);
-  a.sea.i_motor = s.number("i_motor", Range::positive());
-  if (const auto v = s.optional_number("tau_max", constant)) a.sea.tau_max = *v;
+  };
+  for (const ActuatorConstant& c : all.subspan(kConstants)) read(c);
+  const std::size_t omissible = a.sea.k_t == 0 ? 0 : kGains;  // with K_t the gains may be absent
+  for (const ActuatorConstant& c : all.first(omissible)) read(c);
+  for (const ActuatorConstant& c : all.subspan(omissible, kConstants - omissible))
+    a.sea.*c.at = s.number(c.key, c.range);
   a.sea.feedback = read_feedback(s).value_or(Feedback::kOutput);
   a.speed_max = s.optional_number("speed_max", Range::positive());
   a.motor_torque_max = s.optional_number("motor_torque_max", Range::positive());
@@ -138,7 +139,7 @@ Actuator read_actuator(const std::string& path) {
 std::string to_toml(const Actuator& a, double half_width) {
   std::string t = fmt::format("[actuator]\nname = \"{}\"\n", toml_text(a.name));
   const auto u = constants(a.sea);
-  for (int i = known_command(a.sea) ? 2 : 0; i < kConstants; ++i)
+  for (int i = known_command(a.sea) ? kGains : 0; i < kConstants; ++i)
     t += fmt::format("{} = {}  # {}\n", kConstantNames[i], shortest(u[i]), kConstantUnits[i]);
   if (std::isfinite(a.sea.tau_max)) t += fmt::format("tau_max = {}  # Nm, of the spring\n", shortest(a.sea.tau_max));
   if (a.speed_max) t += fmt::format("speed_max = {}  # rad/s, of the motor\n", shortest(*a.speed_max));

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <limits>
+#include <cmath>
 
 #include "common/actuator_constants.hpp"
 #include "common/csv.hpp"
@@ -27,11 +27,8 @@ void check(const Uncertainty& uncertainty, const std::vector<std::string>& known
 }
 
 void validate(const SeaParameters<double>& sea) {
-  const std::array<double, kConstants> u = constants(sea);
-  for (std::size_t k = 0; k + 1 < kConstants; ++k) check_not_negative(kConstantNames[k], u[k]);
-  check_positive(kConstantNames[kConstants - 1], u[kConstants - 1]);
-  if (sea.tau_max != std::numeric_limits<double>::infinity()) check_not_negative("tau_max", sea.tau_max);
-  for (const ActuatorConstant& c : optional_constants()) check_range(c.key, sea.*c.at, c.range);
+  for (const ActuatorConstant& c : actuator_constants())
+    if (const double v = sea.*c.at; v != c.absent || std::isfinite(v)) check_range(c.key, v, c.range);
 }
 
 void validate(const Actuator& actuator) {

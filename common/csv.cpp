@@ -57,12 +57,12 @@ double parse_number(std::string_view cell, const Location& where, const std::str
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-' && digits[1] != '+') digits.remove_prefix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error == std::errc::result_out_of_range)
-    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": the number is out of range");
-  if (error != std::errc() || end != digits.data() + digits.size())
-    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": a number is needed");
-  if (!std::isfinite(value))
-    throw InputError(where, "column '" + column + "': " + quoted(std::string(cell)) + ": a finite number is needed");
+  const auto fail = [&](const char* rule) {
+    throw InputError(where, fmt::format("column '{}': {}: {}", column, quoted(std::string(cell)), rule));
+  };
+  if (error == std::errc::result_out_of_range) fail("the number is out of range");
+  if (error != std::errc() || end != digits.data() + digits.size()) fail("a number is needed");
+  if (!std::isfinite(value)) fail("a finite number is needed");
   return value;
 }
 
@@ -172,10 +172,6 @@ std::vector<std::string> csv_header(const std::string& path) {
   }
 }
 
-CsvTable read_csv(const std::string& path) {
-  return read_csv(path, [](const std::string&) { return true; });
-}
-
 CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted, NanCells nan,
                   const std::vector<std::string>& texts) {
   const std::string text = read_text_file(path, kLongestLine);
@@ -188,7 +184,7 @@ CsvTable read_csv(const std::string& path, const std::function<bool(const std::s
   std::vector<bool> as_text, as_number;
   for (const std::string& name : table.header) {
     as_text.push_back(std::find(texts.begin(), texts.end(), name) != texts.end());
-    as_number.push_back(!as_text.back() && wanted(name));
+    as_number.push_back(!as_text.back() && (!wanted || wanted(name)));
   }
   table.columns.resize(table.header.size());
   table.texts.resize(table.header.size());

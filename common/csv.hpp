@@ -58,11 +58,10 @@ enum class NanCells { kRefused, kAsEmpty };
 /// Reads a CSV file: header, then rows of numbers; `#` lines are comments; comma, semicolon or tab, as in the
 /// header. Throws InputError, with file:line:column, on: a missing, unreadable or empty file; NUL or control bytes
 /// ("not a text file"); a line beyond 1 MiB; a repeated column name; a row with another number of cells; text, NaN or
-/// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed; others may hold text,
-/// which is kept where `texts` names the column.
-CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted,
+/// infinity where a number is needed; no rows. Only the columns that `wanted` accepts are parsed (empty: all); others
+/// may hold text, which is kept where `texts` names the column.
+CsvTable read_csv(const std::string& path, const std::function<bool(const std::string& name)>& wanted = {},
                   NanCells nan = NanCells::kRefused, const std::vector<std::string>& texts = {});
-CsvTable read_csv(const std::string& path);  ///< every column
 /// The column names, read without the rest of the file; empty where it has no header. Throws as read_csv.
 std::vector<std::string> csv_header(const std::string& path);
 

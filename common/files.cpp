@@ -124,22 +124,23 @@ std::string read_text_file(const std::string& path, std::size_t longest_line, st
   return Reader(path).read(at_most, TextCheck(path, longest_line));
 }
 
+int write_bytes(const std::string& path, const char* mode, std::string_view content) {
+  std::FILE* out = std::fopen(path.c_str(), mode);
+  if (!out) return errno;
+  errno = ENOSPC;  // reason of a short write
+  const int code = std::fwrite(content.data(), 1, content.size(), out) == content.size() ? 0 : errno;
+  return std::fclose(out) != 0 && code == 0 ? errno : code;
+}
+
 void write_file(const std::string& path, const std::string& content) {
   const fs::path target(path);
   make_folder(target.parent_path());
   const std::string temporary = fmt::format("{}.{}.part", path, ::getpid());
-  std::FILE* out = std::fopen(temporary.c_str(), "wb");
-  if (!out) throw InputError({path}, std::string("cannot be written: ") + std::strerror(errno));
-  const bool written = std::fwrite(content.data(), 1, content.size(), out) == content.size();
-  const int code = written ? 0 : errno;
-  const bool closed = std::fclose(out) == 0;
-  std::error_code ec;
-  if (written && closed) fs::rename(temporary, target, ec);
-  if (!written || !closed || ec) {
-    const std::string reason = ec ? ec.message() : std::strerror(code ? code : errno);
-    fs::remove(temporary, ec);
-    throw InputError({path}, "cannot be written: " + reason);
-  }
+  std::error_code ec(write_bytes(temporary, "wb", content), std::generic_category()), ignored;
+  if (!ec) fs::rename(temporary, target, ec);
+  if (!ec) return;
+  fs::remove(temporary, ignored);
+  throw InputError({path}, "cannot be written: " + ec.message());
 }
 
 void require_writable_folder(const std::string& folder) {

@@ -49,6 +49,9 @@ class ReadWatch {
 /// it is missing. Throws InputError naming the path and the system's reason.
 void write_file(const std::string& path, const std::string& content);
 
+/// Writes a file that is opened with `mode` of std::fopen; 0, or the system's error code.
+int write_bytes(const std::string& path, const char* mode, std::string_view content);
+
 /// Checks, before any work, that a folder can be made and written in; makes nothing. Throws InputError.
 void require_writable_folder(const std::string& folder);
 

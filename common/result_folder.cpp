@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -86,13 +85,7 @@ class StagingFolder {
   StagingFolder& operator=(const StagingFolder&) = delete;
 
   void write(const std::string& name, const std::string& content) const {
-    std::FILE* out = std::fopen((path_ / name).c_str(), "wbx");
-    if (!out) fail(target_ / name, errno);
-    errno = ENOSPC;  // reason of a short write
-    const bool written = std::fwrite(content.data(), 1, content.size(), out) == content.size();
-    const int code = errno;
-    const bool closed = std::fclose(out) == 0;
-    if (!written || !closed) fail(target_ / name, written ? errno : code);
+    if (const int code = write_bytes((path_ / name).string(), "wbx", content)) fail(target_ / name, code);
   }
   const fs::path& path() const { return path_; }
 

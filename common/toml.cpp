@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -40,7 +39,7 @@ struct TomlFile::Data {
   std::map<std::string, std::set<std::string>> requested;  // section -> keys that were read or accepted
   std::set<std::string> open_sections;                     // sections that accept every key
 
-  Location at(const toml::node& n) const { return {path, long(n.source().begin.line), long(n.source().begin.column)}; }
+  Location at(const toml::node& n) const { return place_of(path, n.source()); }
   /// Throws on the first key of a table, or of tables in [[ ]], that was not read; recursive.
   void check(const std::string& name, const toml::node& node) const {
     if (const toml::array* list = node.as_array())
@@ -50,7 +49,7 @@ struct TomlFile::Data {
     for (const auto& [key, value] : *node.as_table()) {
       const std::string k(key.str());
       if (!known->second.count(k))
-        throw InputError({path, long(key.source().begin.line), long(key.source().begin.column)},
+        throw InputError(place_of(path, key.source()),
                          "unknown key " + quoted(k) + " in [" + name + "]" +
                              hint(k, std::vector<std::string>(known->second.begin(), known->second.end())));
       check(name + "." + k, value);
@@ -146,11 +145,7 @@ TomlFile::TomlFile(const std::string& path, const std::string& text) : data_(std
   if (text.size() > kLargestToml)
     throw InputError({path}, fmt::format("a TOML file of at most {} bytes is read", kLargestToml));
   NestingCheck(path, text).run();
-  try {
-    data_->root = toml::parse(text, path);
-  } catch (const toml::parse_error& e) {
-    throw InputError({path, long(e.source().begin.line), long(e.source().begin.column)}, std::string(e.description()));
-  }
+  data_->root = parsed_toml(path, text);
 }
 TomlFile::~TomlFile() = default;
 TomlFile::TomlFile(TomlFile&&) noexcept = default;
@@ -204,7 +199,7 @@ void TomlFile::finish() const {
   for (const auto& [name, keys] : data_->requested) sections.push_back(name);
   for (const auto& [key, node] : data_->root) {
     const std::string name(key.str());
-    const Location where{data_->path, long(key.source().begin.line), long(key.source().begin.column)};
+    const Location where = place_of(data_->path, key.source());
     const auto it = data_->requested.find(name);
     if (it == data_->requested.end()) {
       std::string in;  // a key at top level may belong into a table
@@ -280,43 +275,50 @@ double TomlSection::number(const std::string& key, const Range& range) {
       where(), "[" + name_ + "] the key '" + key + "' is missing" + (best.empty() ? "" : " (there is '" + best + "')"));
 }
 
-std::optional<double> TomlSection::angle_of(const std::string& key, bool required) {
-  const std::string in_degrees = key + "_deg";
-  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
-  if (const auto v = optional_number(in_degrees, Range::any())) {
-    node(key);
-    return *v * kDegree;
-  }
-  const auto v = optional_number(key, Range::any());
-  if (v && std::abs(*v) > 2 * std::numbers::pi)
-    fail(key, shortest(*v) + ": an angle in radians beyond 2 pi; for degrees name the key '" + in_degrees + "'");
-  if (!v && required) return number(in_degrees, Range::any());  // throws: the key is missing
-  return v;
-}
-double TomlSection::angle(const std::string& key) { return *angle_of(key, true); }
-std::optional<double> TomlSection::optional_angle(const std::string& key) { return angle_of(key, false); }
+namespace {
 
+/// How an angle or its rate is given: under `key` in radians, or under `key_deg`. Both keys become known.
+struct AngleKey {
+  AngleKey(TomlSection& s, const std::string& key) : section(s), name(key) {
+    const std::string in_degrees = key + "_deg";
+    s.accept(key), s.accept(in_degrees);
+    if (!s.has(in_degrees)) return;
+    if (s.has(key)) s.fail(in_degrees, "given beside '" + key + "': one of the two is needed");
+    name = in_degrees, unit = kDegree;
+  }
+  /// A value as an angle [rad].
+  double angle(double value) const {
+    if (unit == 1 && std::abs(value) > 2 * std::numbers::pi)
+      section.fail(name,
+                   shortest(value) + ": an angle in radians beyond 2 pi; for degrees name the key '" + name + "_deg'");
+    return value * unit;
+  }
+  TomlSection& section;
+  std::string name;
+  double unit = 1;  ///< [rad] or [rad/s]
+};
+
+}  // namespace
+
+std::optional<double> TomlSection::optional_angle(const std::string& key) {
+  const AngleKey given(*this, key);
+  const auto v = optional_number(given.name, Range::any());
+  return v ? std::optional(given.angle(*v)) : v;
+}
+double TomlSection::angle(const std::string& key) {
+  const auto v = optional_angle(key);
+  return v ? *v : number(key + "_deg", Range::any());  // throws: the key is missing
+}
 std::optional<double> TomlSection::optional_rate(const std::string& key) {
-  const std::string in_degrees = key + "_deg";
-  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
-  if (const auto v = optional_number(in_degrees, Range::any())) return node(key), *v * kDegree;
-  return optional_number(key, Range::any());
+  const AngleKey given(*this, key);
+  const auto v = optional_number(given.name, Range::any());
+  return v ? std::optional(*v * given.unit) : v;
 }
-
 std::optional<std::array<double, 2>> TomlSection::optional_angle_pair(const std::string& key) {
-  const std::string in_degrees = key + "_deg";
-  if (has(key) && has(in_degrees)) fail(in_degrees, "given beside '" + key + "': one of the two is needed");
-  const auto degrees = optional_numbers(in_degrees, 2, Range::any());
-  if (degrees) {
-    node(key);
-    return std::array{(*degrees)[0] * kDegree, (*degrees)[1] * kDegree};
-  }
-  const auto radians = optional_numbers(key, 2, Range::any());
-  if (!radians) return std::nullopt;
-  for (const double v : *radians)
-    if (std::abs(v) > 2 * std::numbers::pi)
-      fail(key, shortest(v) + ": an angle in radians beyond 2 pi; for degrees name the key '" + in_degrees + "'");
-  return std::array{(*radians)[0], (*radians)[1]};
+  const AngleKey given(*this, key);
+  const auto v = optional_numbers(given.name, 2, Range::any());
+  if (!v) return std::nullopt;
+  return std::array{given.angle((*v)[0]), given.angle((*v)[1])};
 }
 
 std::optional<std::vector<double>> TomlSection::optional_numbers(const std::string& key, std::size_t count,
@@ -372,12 +374,10 @@ std::optional<double> TomlSection::optional_part(const std::string& key) {
   if (!n) return std::nullopt;
   const auto text = as_node(n)->value<std::string>();
   if (!text) return checked(key, n, Range::non_negative());
-  double percent = -1;
-  const char *from = text->data(), *end = from + text->size();
-  const auto [stop, error] = std::from_chars(from, end, percent);
-  if (error != std::errc() || stop + 1 != end || *stop != '%' || !(percent >= 0 && std::isfinite(percent)))
-    fail(key, ukemi::quoted(*text) + ": a number of at least 0, or a percentage such as \"1%\", is needed");
-  return percent / 100;
+  const auto percent = text->ends_with('%') ? parsed_number<double>(text->substr(0, text->size() - 1)) : std::nullopt;
+  if (!percent || !Range::non_negative().holds(*percent))
+    fail(key, quoted(*text) + ": a number of at least 0, or a percentage such as \"1%\", is needed");
+  return *percent / 100;
 }
 std::optional<bool> TomlSection::optional_flag(const std::string& key) {
   const void* n = node(key);

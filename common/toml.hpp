@@ -99,7 +99,6 @@ class TomlSection {
   friend class TomlFile;
   TomlSection(TomlFile::Data* data, const void* table, std::string name);
   const void* node(const std::string& key);
-  std::optional<double> angle_of(const std::string& key, bool required);
   double checked(const std::string& key, const void* node, const Range& range) const;
 
   TomlFile::Data* data_;

@@ -3,32 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
 
 #include "common/csv.hpp"
 #include "common/files.hpp"
+#include "common/text.hpp"
 #include "common/toml.hpp"
 #include "common/toml_parser.hpp"
 
 namespace ukemi {
 
 namespace {
-
-toml::table parsed(const std::string& path, const std::string& text) {
-  try {
-    return toml::parse(text, path);
-  } catch (const toml::parse_error& e) {
-    throw InputError({path, long(e.source().begin.line), long(e.source().begin.column)}, std::string(e.description()));
-  }
-}
-
-/// Of an element of an array; beyond the last where the step is a key.
-std::size_t index_of(const std::string& step) {
-  std::size_t out = std::numeric_limits<std::size_t>::max();
-  std::from_chars(step.data(), step.data() + step.size(), out);
-  return out;
-}
 
 /// The table at a place; null where there is none.
 const toml::table* table_at(const toml::table& root, const TomlEdit::Place& place) {
@@ -37,7 +21,7 @@ const toml::table* table_at(const toml::table& root, const TomlEdit::Place& plac
     if (const toml::table* t = at->as_table())
       at = t->get(step);
     else if (const toml::array* list = at->as_array())
-      at = list->get(index_of(step));
+      at = list->get(parsed_number<std::size_t>(step).value_or(list->size()));
     else
       return nullptr;
     if (!at) return nullptr;
@@ -76,19 +60,19 @@ TomlEdit::TomlEdit(const std::string& path) : path_(path) {
 }
 
 bool TomlEdit::has(const Place& table, const std::string& key) const {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, table);
   return t && t->contains(key);
 }
 
 std::string TomlEdit::text_at(const Place& table, const std::string& key) const {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, table);
   return t ? (*t)[key].value<std::string>().value_or("") : "";
 }
 
 std::vector<double> TomlEdit::numbers_at(const Place& table, const std::string& key) const {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, table);
   std::vector<double> out;
   if (const toml::array* list = t ? (*t)[key].as_array() : nullptr)
@@ -97,7 +81,7 @@ std::vector<double> TomlEdit::numbers_at(const Place& table, const std::string& 
 }
 
 void TomlEdit::set(const Place& table, const std::string& key, double value) {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, table);
   if (t && (*t)[key].value<double>() == value) return;
   set_raw(table, key, shortest(value));
@@ -108,7 +92,7 @@ void TomlEdit::set(const Place& table, const std::string& key, const std::string
 }
 
 void TomlEdit::set_raw(const Place& place, const std::string& key, const std::string& value) {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, place);
   const std::string original = text_;
   if (!t) throw InputError({path_}, fmt::format("'{}': there is no such table to write it in", key));
@@ -126,9 +110,9 @@ void TomlEdit::set_raw(const Place& place, const std::string& key, const std::st
   }
   // The key must now be found in the intended table.
   const auto fail = [&] {
-    const Location where{path_, long(t->source().begin.line), long(t->source().begin.column)};
     text_ = original;
-    throw InputError(where, fmt::format("'{}' cannot be written into this table: give it a header [NAME]", key));
+    throw InputError(place_of(path_, t->source()),
+                     fmt::format("'{}' cannot be written into this table: give it a header [NAME]", key));
   };
   try {
     const toml::table after = toml::parse(text_);
@@ -140,7 +124,7 @@ void TomlEdit::set_raw(const Place& place, const std::string& key, const std::st
 }
 
 void TomlEdit::remove(const Place& place, const std::string& key) {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::table* t = table_at(root, place);
   if (!t) return;
   for (const auto& [name, node] : *t) {
@@ -161,7 +145,7 @@ void TomlEdit::remove(const Place& place, const std::string& key) {
 }
 
 void TomlEdit::remove_table(const std::string& name) {
-  const toml::table root = parsed(path_, text_);
+  const toml::table root = parsed_toml(path_, text_);
   const toml::node* n = root.get(name);
   if (!n) return;
   std::vector<toml::source_index> lines;

@@ -28,19 +28,14 @@
 namespace ukemi::integrate {
 
 inline const char* name(Status status) {
-  switch (status) {
-    case Status::kStepped:
-    case Status::kReached:
-    case Status::kEvent:
-      return "on its way";
-    case Status::kTooSmall:
-      return "the steps become smaller than time resolves";
-    case Status::kNotFinite:
-      return "the motion is no longer finite";
-    case Status::kStuck:
-      return "too many events at one instant";
-  }
-  return "?";
+  constexpr const char* kOnItsWay = "on its way";
+  constexpr const char* kNames[] = {kOnItsWay,
+                                    kOnItsWay,
+                                    kOnItsWay,
+                                    "the steps become smaller than time resolves",
+                                    "the motion is no longer finite",
+                                    "too many events at one instant"};
+  return kNames[int(status)];
 }
 
 struct Outcome {

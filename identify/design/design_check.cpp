@@ -6,6 +6,7 @@
 #include "common/parallel.hpp"
 #include "common/random.hpp"
 #include "identify/design/design.hpp"
+#include "identify/estimate/statistics.hpp"
 #include "identify/fit/fit.hpp"
 
 namespace ukemi::identify {
@@ -20,15 +21,9 @@ struct Repeat {
   VectorXd error, half_width;
 };
 
-struct Simulated {
-  Trial log;
-  std::vector<double> phi, phi_m;  ///< without noise
-};
-
-Trial with_noise(const Simulated& e, double noise, Random& random) {
-  Trial log = e.log;
-  for (std::size_t i = 0; i < log.phi.size(); ++i) log.phi[i] = e.phi[i] + noise * random.normal();
-  for (std::size_t i = 0; i < log.phi_motor.size(); ++i) log.phi_motor[i] = e.phi_m[i] + noise * random.normal();
+Trial with_noise(Trial log, double noise, Random& random) {
+  for (std::vector<double>* angles : {&log.phi, &log.phi_motor})
+    for (double& x : *angles) x += noise * random.normal();
   return log;
 }
 
@@ -42,12 +37,10 @@ double coverage_probability(int k, int n) {
   return sum;
 }
 
-/// Whether the mean square of n normal errors over their variance is what chance allows, 0.1 % in all (chi-square
-/// quantiles of Wilson and Hilferty).
+/// Whether the mean square of n normal errors over their variance is what chance allows, 0.1 % in all.
 bool plausible(double mean_square, int n) {
-  constexpr double z = 3.29;
-  const double s = 2.0 / (9.0 * n), low = 1 - s - z * std::sqrt(s), high = 1 - s + z * std::sqrt(s);
-  return mean_square >= std::pow(std::max(low, 0.0), 3) && mean_square <= std::pow(high, 3);
+  const double p = chi_squared_tail(n * mean_square, n);
+  return p > 0.0005 && p < 0.9995;
 }
 
 }  // namespace
@@ -57,12 +50,13 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   rig.validate(), k.validate(), o.validate();
   for (const Trial& t : trials) t.validate();
   check_count("repeats", repeats, 0, 1'000'000);
-  std::vector<Simulated> experiments;
+  std::vector<Trial> experiments;  // as they would be logged without noise
   const auto prepare = [&](Trial log) {
-    Simulated e{std::move(log), {}, {}};
-    const PreparedTrial prepared(e.log);
-    if (rollout(rig, k.sea, {}, prepared, {}, e.phi, e.phi_m) == RolloutStatus::kDone)
-      experiments.push_back(std::move(e));
+    std::vector<double> phi, phi_m;
+    if (rollout(rig, k.sea, {}, PreparedTrial(log), {}, phi, phi_m) != RolloutStatus::kDone) return;
+    if (!log.phi.empty()) log.phi = phi;
+    if (!log.phi_motor.empty()) log.phi_motor = phi_m;
+    experiments.push_back(std::move(log));
   };
   for (const Trial& t : trials) prepare(t);
   MatrixXd information = k.information;
@@ -86,7 +80,7 @@ DesignCheck check(const Rig& rig, const Knowledge& k, const std::vector<Trial>& 
   parallel_for(repeats, o.threads, [&](int r) {
     Random random(o.seed, std::uint64_t(r));
     std::vector<Trial> logs;
-    for (const Simulated& e : experiments) logs.push_back(with_noise(e, o.log.noise, random));
+    for (const Trial& e : experiments) logs.push_back(with_noise(e, o.log.noise, random));
     const Fit f = fit(rig, logs, k.sea, k.sea, fit_options);
     if (!f.converged || !eigen(f.covariance).allFinite()) return;
     Repeat out{VectorXd(n), VectorXd(n)};

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/decompositions.hpp"
 
 namespace ukemi::identify {
 
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// Covariance of the globals off their bounds, in units that make the information's diagonal 1: d are its roots. Fills
 /// in the solution's eigenvalues and global covariance.
@@ -81,8 +78,6 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
     if (!out.at_bound[std::size_t(i)]) free.push_back(i);
   const long F = long(free.size());
   out.free_parameters = F + long(B) * L;
-  out.global_covariance.setConstant(G, G, kNaN);
-  out.local_variance.setConstant(B, L, kNaN);
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(F, F);  // by unit diagonals d
   Eigen::VectorXd d = Eigen::VectorXd::Zero(F);
   if (F > 0) covariance = covariance_of_free(problem, information, free, d, out);
@@ -93,7 +88,7 @@ void add_covariances(const LeastSquaresProblem& problem, const std::vector<const
         inverse[b] + inverse[b] * of_free.transpose() * covariance * of_free * inverse[b].transpose();
     for (int l = 0; l < L; ++l) {
       const double size = problem.locals[std::size_t(l)].scale;
-      out.local_variance(long(b), l) = variance(l, l) > 0 ? variance(l, l) * size * size : kNaN;
+      out.local_variance(long(b), l) = variance(l, l) > 0 ? variance(l, l) * size * size : NAN;
     }
   }
 }

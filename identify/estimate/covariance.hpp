@@ -12,8 +12,8 @@ Eigen::VectorXd gradient_at(const LeastSquaresProblem& problem, const std::vecto
                             const std::vector<double>& scaled);
 
 /// Fills in a solution's information of the globals, with the locals eliminated block by block (Schur complement), and
-/// from it the covariances. `grams`: the Gram matrix [J r]' [J r] of each block in scaled parameters: globals, locals,
-/// residual.
+/// from it the covariances, which are NaN before. `grams`: the Gram matrix [J r]' [J r] of each block in scaled
+/// parameters: globals, locals, residual.
 void add_covariances(const LeastSquaresProblem& problem, const std::vector<const Eigen::MatrixXd*>& grams,
                      LeastSquaresSolution& out);
 

@@ -273,34 +273,6 @@ void set_point(const LeastSquaresProblem& problem, const std::vector<double>& x,
   out.local_variance.setConstant(out.locals.rows(), out.locals.cols(), std::numeric_limits<double>::quiet_NaN());
 }
 
-/// The Gram matrix of each block; none where one cannot be evaluated.
-std::optional<std::vector<const Eigen::MatrixXd*>> grams_at(const std::deque<BlockCost>& costs,
-                                                            const std::vector<double>& x,
-                                                            const std::vector<std::vector<double>>& locals) {
-  std::vector<const Eigen::MatrixXd*> out;
-  for (std::size_t b = 0; b < costs.size(); ++b) {
-    const double* at[2] = {x.data(), locals[b].data()};
-    out.push_back(costs[b].gram(at));
-    if (!out.back()) return std::nullopt;
-  }
-  return out;
-}
-
-/// Active set: the globals at a bound that the cost pushes against it; `held` where a block has no derivatives.
-std::vector<bool> active_set(const LeastSquaresProblem& problem, const std::deque<BlockCost>& costs,
-                             const std::vector<double>& x, const std::vector<std::vector<double>>& locals,
-                             const std::vector<bool>& held) {
-  const auto grams = grams_at(costs, x, locals);
-  if (!grams) return held;
-  const Eigen::VectorXd gradient = gradient_at(problem, *grams, x);
-  std::vector<bool> out;
-  for (std::size_t i = 0; i < problem.globals.size(); ++i) {
-    const int bound = bound_of(problem.globals[i], x[i]);
-    out.push_back(problem.globals[i].held || (bound != 0 && bound * gradient[long(i)] < 0));
-  }
-  return out;
-}
-
 /// Why the search ended.
 std::string reason(const ceres::Solver::Summary& s, const StopCriteria& criteria, int max_iterations) {
   if (criteria.crawling) return "the cost falls too slowly: its minimum is at an edge";
@@ -348,6 +320,29 @@ struct ScaledProblem {
   ScaledProblem(const ScaledProblem&) = delete;
   ScaledProblem& operator=(const ScaledProblem&) = delete;
 
+  /// The Gram matrix of each block; none where one cannot be evaluated.
+  std::optional<std::vector<const Eigen::MatrixXd*>> grams() const {
+    std::vector<const Eigen::MatrixXd*> out;
+    for (std::size_t b = 0; b < costs.size(); ++b) {
+      const double* at[2] = {x.data(), locals[b].data()};
+      out.push_back(costs[b].gram(at));
+      if (!out.back()) return std::nullopt;
+    }
+    return out;
+  }
+  /// Active set: the globals at a bound that the cost pushes against it; `held` where a block has no derivatives.
+  std::vector<bool> active_set(const LeastSquaresProblem& problem) const {
+    const auto at = grams();
+    if (!at) return held;
+    const Eigen::VectorXd gradient = gradient_at(problem, *at, x);
+    std::vector<bool> out;
+    for (std::size_t i = 0; i < problem.globals.size(); ++i) {
+      const int bound = bound_of(problem.globals[i], x[i]);
+      out.push_back(problem.globals[i].held || (bound != 0 && bound * gradient[long(i)] < 0));
+    }
+    return out;
+  }
+
  private:
   static ceres::Problem::Options non_owning() {
     ceres::Problem::Options out;
@@ -370,7 +365,7 @@ ceres::Solver::Summary solve_by_active_sets(const LeastSquaresProblem& problem, 
     ceres::Solve(o, &scaled.ceres_problem, &summary);
     iterations += int(summary.iterations.size()) - 1;
     if (!update_held || !summary.IsSolutionUsable() || (options.stop && options.stop())) return summary;
-    std::vector<bool> active = active_set(problem, scaled.costs, scaled.x, scaled.locals, scaled.held);
+    std::vector<bool> active = scaled.active_set(problem);
     if (active == scaled.held && !criteria.cut_off) return summary;
     update_held = active != scaled.held && sets < kMaxActiveSets;
     scaled.held = std::move(active);
@@ -414,7 +409,7 @@ LeastSquaresSolution solve(const LeastSquaresProblem& problem, const LeastSquare
   set_point(problem, scaled.x, scaled.locals, out);
   if (!out.usable) return out;
   if (scaled.all_held) out.at_bound.assign(problem.globals.size(), true);  // only the locals have errors
-  const auto grams = grams_at(scaled.costs, scaled.x, scaled.locals);
+  const auto grams = scaled.grams();
   if (!grams) return out;
   out.gradient = gradient_at(problem, *grams, scaled.x);
   for (long i = 0; i < out.gradient.size(); ++i) out.gradient[i] /= problem.globals[std::size_t(i)].scale;

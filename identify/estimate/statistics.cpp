@@ -56,21 +56,21 @@ double spread_from_bound(double beyond) {
 
 double ljung_box(const std::vector<double>& x, int lags) {
   const std::size_t n = x.size();
-  double square = 0;
-  for (const double v : x) square += v * v;
+  const double square = lagged_product(x, 0);
   if (!(square > 0) || n <= 2 * std::size_t(lags)) return 0;
   double q = 0;
   for (std::size_t lag = 1; lag <= std::size_t(lags); ++lag) {
-    double product = 0;
-    for (std::size_t i = lag; i < n; ++i) product += x[i] * x[i - lag];
-    q += (product / square) * (product / square) / double(n - lag);
+    const double correlation = lagged_product(x, lag) / square;
+    q += correlation * correlation / double(n - lag);
   }
   return double(n) * double(n + 2) * q;
 }
 
-double root_mean_square(std::span<const double> x) {
-  return std::sqrt(std::inner_product(x.begin(), x.end(), x.begin(), 0.0) / double(x.size()));
+double lagged_product(std::span<const double> x, std::size_t lag) {
+  return std::inner_product(x.begin() + long(lag), x.end(), x.begin(), 0.0);
 }
+
+double root_mean_square(std::span<const double> x) { return std::sqrt(lagged_product(x, 0) / double(x.size())); }
 
 Moments moments(const std::vector<double>& x) {
   Moments out;

@@ -29,6 +29,9 @@ double spread_from_bound(double beyond);
 /// the series is white. Not demeaned: an offset is no white noise. 0 for a series that is 0 or too short for the lags.
 double ljung_box(const std::vector<double>& series, int lags);
 
+/// Sum of x_i x_(i + lag).
+double lagged_product(std::span<const double> x, std::size_t lag);
+
 /// NaN for an empty series.
 double root_mean_square(std::span<const double> x);
 

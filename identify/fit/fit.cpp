@@ -128,13 +128,9 @@ bool reweigh(FitSearch& search, const std::vector<Trial>& trials, const FitOptio
 void set_considered(const Rig& rig, const FitSearch& search, const std::vector<Trial>& trials,
                     const FitOptions& options, Fit& out) {
   const LeastSquaresSolution& best = search.best();
-  FitMinimum minimum{rig, trials, options, out.sea, {}, {best.globals.begin(), best.globals.end()}, best.at_bound, {}};
+  FitMinimum minimum{rig, trials, options, out, {{best.globals.begin(), best.globals.end()}, best.at_bound, {}, {}}};
   if (options.errors == FitOptions::Errors::kNoiseOnly || !states_errors(minimum)) return;
-  for (const TrialResult& r : out.trials) minimum.weights.push_back(weighting_of(r));
-  for (long m = 0; m < long(trials.size()); ++m) {
-    const Eigen::VectorXd locals = best.locals.row(m);
-    minimum.locals.emplace_back(locals.begin(), locals.end());
-  }
+  for (const auto& locals : best.locals.rowwise()) minimum.point.locals.emplace_back(locals.begin(), locals.end());
   const auto sensitivity = sensitivity_of(minimum);
   if (!sensitivity) return;
   out.considered = considered_of(minimum, *sensitivity);

@@ -66,8 +66,8 @@ std::vector<RigTerm> further_terms(const FitMinimum& minimum) {
   for (RigTerm t : *minimum.options.terms.table) {
     if (t.is_constant() || minimum.options.terms.fits(t.name) || !t.applies_to(minimum.trials)) continue;
     const bool has_effect = t.only_with.empty() || std::any_of(t.only_with.begin(), t.only_with.end(),
-                                                               [&](auto c) { return minimum.sea.*c != 0; });
-    t.tested = t.tested && has_effect && std::isfinite(t.absent) && t.value_in(minimum.sea) == t.absent;
+                                                               [&](auto c) { return minimum.fit.sea.*c != 0; });
+    t.tested = t.tested && has_effect && std::isfinite(t.absent) && t.value_in(minimum.fit.sea) == t.absent;
     if (t.tested || largest_error(t, minimum) > 0) out.push_back(std::move(t));
   }
   return out;
@@ -75,9 +75,18 @@ std::vector<RigTerm> further_terms(const FitMinimum& minimum) {
 
 }  // namespace
 
-MatrixXd Sensitivity::sum(int row, int column, int rows, int columns) const {
-  MatrixXd out = MatrixXd::Zero(rows, columns);
-  for (const MatrixXd& part : parts) out += part.block(row, column, rows, columns);
+MatrixXd Sensitivity::sum(int first, int count) const {
+  MatrixXd out = parts[std::size_t(first)];
+  for (int p = first + 1; p < first + count; ++p) out += parts[std::size_t(p)];
+  return out;
+}
+
+MinimumPoint point_of(const Estimates& fit, std::size_t blocks) {
+  MinimumPoint out;
+  for (const Estimate* e : fit.globals()) out.globals.push_back(e->value), out.at_bound.push_back(e->at_bound);
+  out.locals.resize(blocks);
+  for (const Estimate& e : fit.nuisance)
+    if (e.trial >= 0) out.locals[std::size_t(e.trial)].push_back(e.value);
   return out;
 }
 
@@ -121,11 +130,14 @@ std::optional<Sensitivity> sensitivity_of(const FitMinimum& minimum) {
     options.terms.nuisance.push_back(t.name);
   }
   const std::vector<PreparedTrial> prepared(minimum.trials.begin(), minimum.trials.end());
+  std::vector<Weighting> weights;
+  for (const TrialResult& r : minimum.fit.trials) weights.push_back(weighting_of(r));
+  const SeaParameters<double>& sea = minimum.fit.sea;
   const LeastSquaresProblem problem =
-      make_problem(minimum.rig, prepared, minimum.weights, minimum.sea, suggest(minimum.rig, minimum.trials),
-                   RigLayout(options.terms), options, options.rollout());
-  MinimumPoint point{minimum.globals, minimum.at_bound, minimum.locals, {}};
-  for (const RigTerm& t : further.shared) point.further.push_back(t.value_in(minimum.sea));
+      make_problem(minimum.rig, prepared, weights, sea, suggest(minimum.rig, minimum.trials), RigLayout(options.terms),
+                   options, options.rollout());
+  MinimumPoint point = minimum.point;
+  for (const RigTerm& t : further.shared) point.further.push_back(t.value_in(sea));
   return sensitivity_at(problem, point, std::move(further), options.huber);
 }
 
@@ -154,7 +166,8 @@ std::vector<Considered> considered_of(const FitMinimum& minimum, const Sensitivi
       effect.col(long(m)) += stated_error(minimum, m, t) * s.parts[p].block(0, column, F, 1);
     }
     if (t.scope == Scope::kShared) effect = effect.rowwise().sum().eval();
-    out.push_back(considered(s, solve, t.error->key, minimum.rig.errors.*t.error->at, effect, minimum.globals.size()));
+    out.push_back(
+        considered(s, solve, t.error->key, minimum.rig.errors.*t.error->at, effect, minimum.point.globals.size()));
   };
   for (std::size_t a = 0; a < s.shared.size(); ++a) add(s.shared[a], F + int(a));
   for (std::size_t b = 0; b < s.per_trial.size(); ++b) add(s.per_trial[b], F + int(s.shared.size() + b));

@@ -25,10 +25,13 @@ struct Sensitivity {
   double variance = 0;                     ///< of a residual
 
   int parameters() const { return int(free.size()); }
-  int columns() const { return int(parts.front().cols()); }
   int trials() const { return int(parts.size()) / parts_per_trial; }
-  /// Sum of one block over all parts.
-  Eigen::MatrixXd sum(int row, int column, int rows, int columns) const;
+  /// Sum of all parts; of those of one trial.
+  Eigen::MatrixXd gram() const { return sum(0, int(parts.size())); }
+  Eigen::MatrixXd gram_of(int trial) const { return sum(trial * parts_per_trial, parts_per_trial); }
+
+ private:
+  Eigen::MatrixXd sum(int first, int count) const;
 };
 
 /// Where a fit ended.
@@ -38,22 +41,20 @@ struct MinimumPoint {
   std::vector<std::vector<double>> locals;  ///< of each block
   std::vector<double> further;              ///< values of the further shared terms
 };
+[[nodiscard]] MinimumPoint point_of(const Estimates& fit, std::size_t blocks);
 /// The sensitivity of a least-squares problem at a point: its globals are the fitted ones, then the further shared
 /// terms; its locals those of each block, then the further ones, at their absent values. `further` holds these terms.
 /// None where a block cannot be evaluated, or all globals are at bounds.
 [[nodiscard]] std::optional<Sensitivity> sensitivity_at(const LeastSquaresProblem& problem, const MinimumPoint& point,
                                                         Sensitivity further, double huber);
 
-/// The minimum of a fit: its input and where it ended. What it refers to must outlive it.
+/// The minimum of a fit: its input, where it ended, and its trials there. What it refers to must outlive it.
 struct FitMinimum {
   const Rig& rig;
   const std::vector<Trial>& trials;
   const FitOptions& options;
-  const SeaParameters<double>& sea;
-  std::vector<Weighting> weights;
-  std::vector<double> globals;              ///< as Fit::fitted
-  std::vector<bool> at_bound;               ///< of the globals
-  std::vector<std::vector<double>> locals;  ///< of each trial
+  const Fit& fit;  ///< `sea` and `trials` are read
+  MinimumPoint point;
 };
 /// The sensitivity to every absent term, and to those of which the rig states an error (not tested unless absent).
 /// None where a trial cannot be simulated.

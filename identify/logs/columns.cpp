@@ -1,63 +1,42 @@
 #include "identify/logs/columns.hpp"
 
-#include "common/degrees.hpp"
-
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <string_view>
+
+#include "common/degrees.hpp"
+#include "common/text.hpp"
 
 namespace ukemi::identify {
 
 namespace {
 
+/// A suffix of column names and its unit in SI.
 struct Unit {
-  const char* suffix;
-  double scale;  ///< to SI
+  Quantity of;
+  std::string_view suffix;
+  double scale;
 };
-
-const std::vector<Unit>& units_of(Quantity quantity) {
-  static const std::vector<Unit> time = {{"_ms", 1e-3}}, angle = {{"_deg", kDegree}, {"_mrad", 1e-3}},
-                                 force = {{"_N", 1}, {"_kN", 1e3}}, torque = {{"_Nm", 1}, {"_mNm", 1e-3}};
-  static const std::vector<Unit> none;
-  static const std::vector<Unit> acceleration = {{"_g", 9.80665}}, length = {{"_mm", 1e-3}};
-  switch (quantity) {
-    case Quantity::kTime:
-      return time;
-    case Quantity::kForce:
-      return force;
-    case Quantity::kTorque:
-      return torque;
-    case Quantity::kAcceleration:
-      return acceleration;
-    case Quantity::kLength:
-      return length;
-    case Quantity::kCommand:
-      return none;
-    case Quantity::kAngle:
-    case Quantity::kRate:
-      break;
-  }
-  return angle;
-}
+constexpr Unit kUnits[] = {
+    {Quantity::kTime, "_ms", 1e-3},           {Quantity::kAngle, "_deg", kDegree}, {Quantity::kAngle, "_mrad", 1e-3},
+    {Quantity::kRate, "_deg", kDegree},       {Quantity::kRate, "_mrad", 1e-3},    {Quantity::kForce, "_N", 1},
+    {Quantity::kForce, "_kN", 1e3},           {Quantity::kTorque, "_Nm", 1},       {Quantity::kTorque, "_mNm", 1e-3},
+    {Quantity::kAcceleration, "_g", 9.80665}, {Quantity::kLength, "_mm", 1e-3}};
 
 double unit_of(const std::string& column, Quantity quantity) {
-  for (const Unit& u : units_of(quantity))
-    if (column.size() > std::string(u.suffix).size() && column.ends_with(u.suffix)) return u.scale;
+  for (const Unit& u : kUnits)
+    if (u.of == quantity && column.size() > u.suffix.size() && column.ends_with(u.suffix)) return u.scale;
   return 1;
 }
 
 /// "-0.001*Fy", "-Fy", "Fy": the scale and the column.
 Source parse_source(const std::string& option, const std::string& text) {
-  const std::size_t star = text.find('*');
-  double scale = 0;
-  if (star != std::string::npos && star + 1 < text.size()) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + star, scale);
-    if (error == std::errc() && end == text.data() + star) {
-      if (scale == 0 || !std::isfinite(scale))
+  if (const std::size_t star = text.find('*'); star != std::string::npos && star + 1 < text.size())
+    if (const auto scale = parsed_number<double>(text.substr(0, star))) {
+      if (*scale == 0 || !std::isfinite(*scale))
         throw InputError(option + ": " + quoted(text) + ": a finite scale other than 0 is needed");
-      return {text.substr(star + 1), scale};
+      return {text.substr(star + 1), *scale};
     }
-  }
   if (text.front() == '-' && text.size() > 1) return {text.substr(1), -1};
   return {text, 1};
 }
@@ -92,7 +71,8 @@ std::vector<Source> ColumnMap::candidates(const std::string& name) const {
   std::vector<Source> out{{name, 1}};
   for (const Column& c : known_)
     if (c.name == name)
-      for (const Unit& u : units_of(c.quantity)) out.push_back({name + u.suffix, u.scale});
+      for (const Unit& u : kUnits)
+        if (u.of == c.quantity) out.push_back({name + std::string(u.suffix), u.scale});
   return out;
 }
 
@@ -134,24 +114,17 @@ int ColumnMap::find(const CsvTable& table, const std::string& name, Source& sour
 std::optional<double> ColumnMap::constant(const CsvTable& table, const std::string& name) const {
   const auto it = mapped_.find(name);
   if (it == mapped_.end() || table.find(it->second.column) >= 0) return std::nullopt;
-  const std::string& text = it->second.column;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
-  return value * it->second.scale;
+  const auto value = parsed_number<double>(it->second.column);
+  return value && std::isfinite(*value) ? std::optional(*value * it->second.scale) : std::nullopt;
 }
 
 std::vector<std::string> near_misses(const CsvTable& table, const ColumnMap& map) {
   std::vector<std::string> out;
   const std::vector<std::string> missing = map.missing_from(table);
-  const auto lower = [](std::string s) {
-    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char x) { return char(std::tolower(x)); });
-    return s;
-  };
   const auto wants = [&](const std::string& column) { return map.wants(column); };
   for (std::size_t c = 0; c < table.header.size(); ++c)
     for (const std::string& name : wants(table.header[c]) ? std::vector<std::string>{} : missing)
-      if (lower(name) == lower(table.header[c])) table.refuse_unread(c, " (did you mean \"" + name + "\"?)");
+      if (lower_case(name) == lower_case(table.header[c])) table.refuse_unread(c, " (did you mean \"" + name + "\"?)");
   for (const auto& [c, suggestion] : table.near_misses(wants, missing))
     out.push_back("column " + quoted(table.header[c]) + " is not read" + suggestion);
   return out;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "common/csv.hpp"
+#include "common/text.hpp"
 #include "identify/logs/hebilog.hpp"
 
 namespace ukemi::identify {
@@ -39,9 +40,8 @@ Field parse_name(const std::string& name) {
   Field f;
   if (digits < end && end - digits <= 4) f.index = std::stoi(name.substr(digits, end - digits));
   if (closed && (digits == end || digits == 0 || (name[digits - 1] != '(' && name[digits - 1] != '['))) return {};
-  std::string base;
-  for (const char c : name.substr(0, closed ? digits - 1 : digits))
-    if (c != '_' && c != ' ') base += char(std::tolower(static_cast<unsigned char>(c)));
+  std::string base = lower_case(name.substr(0, closed ? digits - 1 : digits));
+  std::erase_if(base, [](char c) { return c == '_' || c == ' '; });
   if (base.ends_with("command")) base.replace(base.size() - 7, 7, "cmd");
   if (const auto it = kFields.find(base); it != kFields.end()) f.values = it->second;
   return f;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/median.hpp"
+#include "common/text.hpp"
 
 namespace ukemi::identify {
 
@@ -154,10 +154,8 @@ const HebiModule& choose_module(const HebiLog& log, const std::string& module) {
     throw InputError({log.file}, fmt::format("--module: {}: {} modules are called so: FAMILY/NAME or number is needed: "
                                              "{}",
                                              quoted(module), named.size(), list));
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(module.data(), module.data() + module.size(), number);
-  if (error == std::errc() && end == module.data() + module.size() && number >= 1 && number <= all.size())
-    return *all[number - 1];
+  if (const auto number = parsed_number<std::size_t>(module); number && *number >= 1 && *number <= all.size())
+    return *all[*number - 1];
   throw InputError({log.file}, fmt::format("--module: {}: no such module; the log has {}", quoted(module), list));
 }
 

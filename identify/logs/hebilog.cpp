@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "common/files.hpp"
+#include "common/text.hpp"
 #include "identify/logs/protobuf.hpp"
 
 namespace ukemi::identify {
@@ -22,13 +22,6 @@ enum Record : std::uint16_t { kHeader = 2, kFeedback = 1, kUnknown = 4, kFeedbac
 constexpr std::size_t kUnknownSize = 12, kRecordHeader = 26, kAddress = 8;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-
-bool has_hebilog_extension(const std::string& path) {
-  constexpr std::string_view kExtension = ".hebilog";
-  return path.size() >= kExtension.size() &&
-         std::equal(kExtension.begin(), kExtension.end(), path.end() - long(kExtension.size()),
-                    [](char a, char b) { return a == char(std::tolower(static_cast<unsigned char>(b))); });
-}
 
 std::string address_of(const Bytes& b, std::size_t at) {
   const Bytes a = b.part(at, 4, "an address");
@@ -158,7 +151,7 @@ std::vector<HebiModule> read_header(const Bytes& all) {
 }  // namespace
 
 bool is_hebilog(const std::string& path) {
-  if (has_hebilog_extension(path)) return true;
+  if (lower_case(path).ends_with(".hebilog")) return true;
   const std::string text = read_binary_file(path, 2);
   return text.size() == 2 && text[0] == char(kMagic >> 8) && text[1] == char(kMagic & 0xFF);
 }

@@ -12,13 +12,16 @@ namespace {
 
 constexpr double kDetection = 5;  // what a hit exceeds, in standard deviations of the force's noise
 
-/// Number of samples before the force first exceeds its noise and a twentieth of its maximum, less a fifth, which may
-/// hold its rise.
-std::size_t samples_at_rest(const std::vector<double>& force) {
+/// Whether a sample of the force is above its noise and a twentieth of its maximum.
+auto is_pulse(const std::vector<double>& force) {
   const double small = std::max(0.05 * largest_deviation(force), kDetection * noise_level(force));
-  std::size_t n = 0;
-  while (n < force.size() && std::abs(force[n]) <= small) ++n;
-  return n < force.size() ? 4 * n / 5 : 0;
+  return [small](double f) { return std::abs(f) > small; };
+}
+
+/// Number of samples before the first pulse, less a fifth, which may hold its rise.
+std::size_t samples_at_rest(const std::vector<double>& force) {
+  const auto first = std::find_if(force.begin(), force.end(), is_pulse(force));
+  return first == force.end() ? 0 : 4 * std::size_t(first - force.begin()) / 5;
 }
 
 double mean(const std::vector<double>& x, std::size_t count) {
@@ -99,6 +102,18 @@ void flatten_force_between_hits(Trial& trial, std::optional<double> noise) {
   trial.force_noise = sigma, trial.force_rest = rest;
 }
 
+int shortest_pulse(const Trial& trial) {
+  const std::vector<double>& f = trial.force;
+  const auto acts = is_pulse(f);
+  long shortest = 0;
+  for (auto end = f.begin();;) {
+    const auto begin = std::find_if(end, f.end(), acts);
+    if (begin == f.end()) return int(shortest);
+    end = std::find_if_not(begin, f.end(), acts);
+    shortest = shortest == 0 ? end - begin : std::min(shortest, end - begin);
+  }
+}
+
 std::vector<Gap> gaps(const Trial& trial) {
   std::vector<Gap> out;
   const auto find_gaps = [&](const std::vector<double>& t) {
@@ -129,12 +144,11 @@ std::vector<Gap> gaps(const Trial& trial) {
 std::optional<double> first_hit_correlation(const Trial& trial) {
   if (trial.force.empty() || trial.phi.size() < 9) return std::nullopt;
   const std::vector<double> force = force_at_samples(trial);
-  const double small = 0.05 * largest_deviation(force);
-  std::size_t begin = 0, end;
-  while (begin < force.size() && std::abs(force[begin]) <= small) ++begin;
-  for (end = begin; end < force.size() && std::abs(force[end]) > small && (force[end] > 0) == (force[begin] > 0);)
-    ++end;
-  if (begin == end) return std::nullopt;
+  const auto first = std::find_if(force.begin(), force.end(), is_pulse(force));
+  if (first == force.end()) return std::nullopt;
+  const auto last = std::find_if_not(
+      first, force.end(), [&, acts = is_pulse(force)](double f) { return acts(f) && (f > 0) == (*first > 0); });
+  const auto begin = std::size_t(first - force.begin()), end = std::size_t(last - force.begin());
   const std::vector<double>& ref = trial.phi_ref;
   for (std::size_t i = 0; i < end && i < ref.size(); ++i)
     if (ref[i] != ref[0]) return std::nullopt;

@@ -31,6 +31,9 @@ double force_noise_before_first_hit(const Trial& trial);
 /// the force is not at rest between its hits.
 void flatten_force_between_hits(Trial& trial, std::optional<double> noise = std::nullopt);
 
+/// Samples of the shortest pulse of the force (a run above 5 % of the largest |force|); 0 without force.
+int shortest_pulse(const Trial& trial);
+
 /// An interval in which samples are missing: at least 1.5 times the 95 % quantile of the intervals.
 struct Gap {
   double t, length;                            ///< start and length [s]

@@ -33,6 +33,16 @@ std::vector<double> running_sum(const std::vector<double>& t, const std::vector<
   return out;
 }
 
+/// The columns of a trial.
+struct TrialColumn {
+  const char* name;
+  std::vector<double> Trial::*at;
+};
+constexpr TrialColumn kTrialColumns[] = {{"phi", &Trial::phi},           {"phi_motor", &Trial::phi_motor},
+                                         {"torque", &Trial::torque},     {"phi_ref", &Trial::phi_ref},
+                                         {"dphi_ref", &Trial::dphi_ref}, {"command", &Trial::command},
+                                         {"force", &Trial::force}};
+
 bool constant(const std::vector<double>& x) {
   return std::all_of(x.begin(), x.end(), [&](double v) { return v == x.front(); });
 }
@@ -127,7 +137,9 @@ void Trial::validate() const {
   check_times("t", t);
   if (!force_t.empty()) check_times("force_t", force_t);
   constexpr double kMost = 1e12;  // sums of squares stay finite
-  const auto check = [&](const char* name, const std::vector<double>& column, std::size_t rows) {
+  for (const auto& [name, at] : kTrialColumns) {
+    const std::vector<double>& column = this->*at;
+    const std::size_t rows = at == &Trial::force && !force_t.empty() ? force_t.size() : t.size();
     if (!column.empty() && column.size() != rows)
       throw InputError(
           fmt::format("{}: {}: {} values: {} are needed, one for each time", what, name, column.size(), rows));
@@ -135,10 +147,7 @@ void Trial::validate() const {
       if (!(std::abs(column[i]) <= kMost))
         throw InputError(fmt::format("{}: {}[{}]: {}: a finite number within {:g} is needed", what, name, i,
                                      shortest(column[i]), kMost));
-  };
-  check("phi", phi, t.size()), check("phi_motor", phi_motor, t.size()), check("torque", torque, t.size());
-  check("phi_ref", phi_ref, t.size()), check("dphi_ref", dphi_ref, t.size()), check("command", command, t.size());
-  check("force", force, force_t.empty() ? t.size() : force_t.size());
+  }
   if (!dphi_ref.empty() && phi_ref.empty()) throw InputError(what + ": dphi_ref without phi_ref");
   check_not_negative(what + ": force_noise", force_noise), check_finite(what + ": force_rest", force_rest);
   // Only finite: finite differences step over the bounds, which `fit` checks.
@@ -154,10 +163,8 @@ void require_excitation(const Trial& trial) {
 }
 
 bool same_content(const Trial& a, const Trial& b) {
-  constexpr std::vector<double> Trial::*kColumns[] = {&Trial::phi,       &Trial::force,   &Trial::t,
-                                                      &Trial::force_t,   &Trial::phi_ref, &Trial::dphi_ref,
-                                                      &Trial::phi_motor, &Trial::command, &Trial::torque};
-  return std::ranges::all_of(kColumns, [&](auto column) { return same_numbers(a.*column, b.*column); });
+  return same_numbers(a.t, b.t) && same_numbers(a.force_t, b.force_t) &&
+         std::ranges::all_of(kTrialColumns, [&](auto& c) { return same_numbers(a.*c.at, b.*c.at); });
 }
 
 std::vector<double> force_at_samples(const Trial& trial) {
@@ -176,21 +183,6 @@ std::vector<double> force_at_samples(const Trial& trial) {
     }
   }
   return out;
-}
-
-int shortest_pulse(const Trial& trial) {
-  const double peak = largest_deviation(trial.force);
-  if (peak == 0) return 0;
-  int shortest_run = 0, run = 0;
-  for (std::size_t i = 0; i <= trial.force.size(); ++i) {
-    if (i < trial.force.size() && std::abs(trial.force[i]) > 0.05 * peak) {
-      ++run;
-    } else if (run > 0) {
-      shortest_run = shortest_run == 0 ? run : std::min(shortest_run, run);
-      run = 0;
-    }
-  }
-  return shortest_run;
 }
 
 double angle_per_torque(const Trial& trial) {

@@ -1,4 +1,4 @@
-// Properties of logs: whether anything moves the rig, noise, pulses.
+// Properties of logs: whether anything moves the rig, noise.
 #pragma once
 
 #include <vector>
@@ -23,9 +23,6 @@ bool same_content(const Trial& a, const Trial& b);
 
 /// The force at the times of `t`, linear between its own samples and 0 outside of them [N]; empty without force.
 std::vector<double> force_at_samples(const Trial& trial);
-
-/// Samples of the shortest pulse of the force (a run above 5 % of the largest |force|); 0 without force.
-int shortest_pulse(const Trial& trial);
 
 using ukemi::noise_level;
 /// The noise of every measured angle of several trials, root mean square [rad]; 0 where nothing is measured.

@@ -18,22 +18,17 @@ RolloutStatus rollout(const Rig& common, const SeaParameters<T>& actuator, const
                         present(sea.viscous) || present(sea.output_friction) || present(sea.output_viscous) ||
                         present(sea.k_sea_cubic) || present(sea.spring_loss) || rig.gravity.moment != 0 ||
                         sea.feedback == Feedback::kMotor;
-  if constexpr (kDerivatives<T> <= kSmallJet)
-    if (options.method) return rollout_with_method(rig, sea, nuisance, trial, options, phi, phi_m, torque);
+  const auto run = [&]<class Method, SeaTerms kTerms>() {
+    return TrialRollout<Method, kTerms, T>(rig, sea, nuisance, trial, options, phi, phi_m, torque).run();
+  };
   // Always with the torque limit: its guards are cheap, and an absent limit is infinite. Without friction and
   // stiffening only hits are integrated, from sample to sample: steps too short for order 8.
-  if constexpr (kDerivatives<T> <= kSmallJet)
-    if (!extended)
-      return TrialRollout<integrate::DormandPrince54, SeaTerms{true, false}, T>(rig, sea, nuisance, trial, options, phi,
-                                                                                phi_m, torque)
-          .run();
-  if (late)
-    return TrialRollout<integrate::DormandPrince853, SeaTerms{true, true, true}, T>(rig, sea, nuisance, trial, options,
-                                                                                    phi, phi_m, torque)
-        .run();
-  return TrialRollout<integrate::DormandPrince853, SeaTerms{true, true}, T>(rig, sea, nuisance, trial, options, phi,
-                                                                            phi_m, torque)
-      .run();
+  if constexpr (kDerivatives<T> <= kSmallJet) {
+    if (options.method) return rollout_with_method(rig, sea, nuisance, trial, options, phi, phi_m, torque);
+    if (!extended) return run.template operator()<integrate::DormandPrince54, SeaTerms{true, false}>();
+  }
+  if (late) return run.template operator()<integrate::DormandPrince853, SeaTerms{true, true, true}>();
+  return run.template operator()<integrate::DormandPrince853, SeaTerms{true, true}>();
 }
 
 }  // namespace ukemi::identify

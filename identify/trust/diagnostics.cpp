@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "common/parallel.hpp"
 #include "identify/estimate/statistics.hpp"
@@ -31,10 +30,10 @@ bool is_coarse(const ResidualSeries& s) { return smallest_step(*s.measured) > ro
 /// Integrated autocorrelation time [samples]: 1 + 2 sum of the autocorrelations before the first that is not above 0
 /// (Geyer's initial positive sequence).
 double correlation_time(const std::vector<double>& r) {
-  const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
+  const double square = lagged_product(r, 0);
   double out = 1;
-  for (long lag = 1; lag < long(r.size()); ++lag) {
-    const double rho = std::inner_product(r.begin() + lag, r.end(), r.begin(), 0.0) / square;
+  for (std::size_t lag = 1; lag < r.size(); ++lag) {
+    const double rho = lagged_product(r, lag) / square;
     if (!(rho > 0)) break;
     out += 2 * rho;
   }
@@ -45,7 +44,7 @@ double correlation_time(const std::vector<double>& r) {
 double inflation(const std::vector<ResidualSeries>& series) {
   double raised = 0, plain = 0;
   for (const ResidualSeries& s : series) {
-    const double square = std::inner_product(s.residual.begin(), s.residual.end(), s.residual.begin(), 0.0);
+    const double square = lagged_product(s.residual, 0);
     plain += square, raised += square * (is_coarse(s) ? correlation_time(s.residual) : 1);
   }
   return plain > 0 ? raised / plain : 1;
@@ -76,10 +75,8 @@ Whiteness whiteness(const std::vector<ResidualSeries>& series) {
     if (is_coarse(s)) continue;
     const double series_q = ljung_box(s.residual, kWhitenessLags);
     if (series_q == 0) continue;
-    const std::vector<double>& r = s.residual;
-    const double square = std::inner_product(r.begin(), r.end(), r.begin(), 0.0);
     q += series_q, ++tested;
-    out.correlation += std::inner_product(r.begin() + 1, r.end(), r.begin(), 0.0) / square;
+    out.correlation += lagged_product(s.residual, 1) / lagged_product(s.residual, 0);
   }
   if (tested == 0) return out;
   out.correlation /= tested;
@@ -154,10 +151,10 @@ void fit_gains(const Experiment& experiment, const Fit& fit, ResidualTests& test
 }  // namespace
 
 bool ResidualTests::model_rejected() const {
-  bool rejected = whiteness.rejected;
-  for (const ScoreTest& t : score_tests) rejected = rejected || t.rejected;
-  for (std::size_t m = 0; m < chow.size(); ++m) rejected = rejected || disagrees(m);
-  return rejected;
+  if (whiteness.rejected) return true;
+  for (std::size_t m = 0; m < chow.size(); ++m)
+    if (disagrees(m)) return true;
+  return std::any_of(score_tests.begin(), score_tests.end(), [](const ScoreTest& t) { return t.rejected; });
 }
 
 double ResidualTests::worth(const ScoreTest& test) const {

@@ -35,7 +35,7 @@ struct Explanation {
 /// distinguished: the effect of a large lag is not linear.
 std::vector<Rival> rivals(const Explanation& explained, const Experiment& experiment, const Fit& fit,
                           const Sensitivity& s, double share = 1) {
-  const MatrixXd gram = s.sum(0, 0, s.columns(), s.columns());
+  const MatrixXd gram = s.gram();
   const ScaledSolver solve(s.information(explained.rest, explained.rest));
   const auto response = [&](int column) -> VectorXd { return -solve(gram(explained.rest, std::vector{column})); };
   const VectorXd own_response = response(explained.column);

@@ -324,12 +324,6 @@ void finish(const Experiment& fitted, const SecondSearch& second, const TrustOpt
 
 }  // namespace
 
-Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options) {
-  Trust out = test_fit(experiment, fit);
-  add_refits(experiment, fit, options, out);
-  return out;
-}
-
 Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                         const SeaParameters<double>& base, const TrustOptions& options) {
   const std::vector<Trial>& trials = experiment.trials;

@@ -33,11 +33,6 @@ struct Trust {
   std::vector<std::string> not_profiled;  ///< requested, but without a standard error
 };
 
-/// Tests a fit to the requested depth and widens its errors where the tests reject its model: see widen_errors. For a
-/// fit that did not converge only the residuals and the ladder, for an interrupted one only the residuals. Throws
-/// InputError where a profile names no constant.
-[[nodiscard]] Trust examine(const Experiment& experiment, Fit& fit, const TrustOptions& options = {});
-
 /// An optional term that was to be fitted and is held absent, because others have the same effect in these trials.
 struct HeldTerm {
   std::string term;
@@ -60,11 +55,13 @@ struct Identification {
   std::optional<Trust> trust;             ///< none where no start could be followed: Fit::fitted is empty
 };
 
-/// `fit`, then `examine`. Optional terms of the actuator that the trials cannot distinguish from others are held at 0,
-/// one after the other, and the fit is repeated without them. Where the residuals of a fit with a linear force suggest
-/// more than half of the smooth curve, and a fit with it has smaller residuals, that is the result
-/// (TrustOptions::force). Where they ask for terms within the errors that the rig states, those are fitted along, if
-/// that explains the logs. Fit::minima are those of the first fit.
+/// `fit`, then the tests to the requested depth; where these reject its model they widen its errors, see widen_errors.
+/// Of a fit that did not converge only the residuals and the ladder are tested, of an interrupted one only the
+/// residuals. Throws InputError where a profile names no constant. Optional terms of the actuator that the trials
+/// cannot distinguish from others are held at 0, one after the other, and the fit is repeated without them. Where the
+/// residuals of a fit with a linear force suggest more than half of the smooth curve, and a fit with it is likelier,
+/// that is the result (TrustOptions::force). Where they ask for terms within the errors that the rig states, those are
+/// fitted along, if that explains the logs. Fit::minima are those of the first fit.
 [[nodiscard]] Identification identify(const Experiment& experiment, const std::optional<SeaParameters<double>>& start,
                                       const SeaParameters<double>& base, const TrustOptions& options = {});
 

@@ -10,12 +10,8 @@
 
 namespace ukemi::identify {
 
-namespace {
-
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-}  // namespace
 
 void Experiment::validate(const Fit& fit) const {
   rig.validate(), options.validate();
@@ -35,22 +31,12 @@ std::optional<Sensitivity> score_of(const Experiment& experiment, const Fit& fit
   const auto failed = [](const TrialResult& r) { return r.status != RolloutStatus::kDone; };
   if (!fit.converged || std::any_of(fit.trials.begin(), fit.trials.end(), failed)) return std::nullopt;
   if (fit.sensitivity) return *fit.sensitivity;
-  FitMinimum at{experiment.rig, experiment.trials, experiment.options, fit.sea, {}, {}, {}, {}};
-  for (const TrialResult& r : fit.trials) at.weights.push_back(weighting_of(r));
-  for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
-  at.locals.resize(fit.trials.size());
-  for (const Estimate& e : fit.nuisance)
-    if (e.trial >= 0) at.locals[std::size_t(e.trial)].push_back(e.value);
-  return sensitivity_of(at);
+  return sensitivity_of({experiment.rig, experiment.trials, experiment.options, fit, point_of(fit, fit.trials.size())});
 }
 
 std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Estimates& fit,
                                     const std::vector<Term>& shared, const std::vector<Term>& per_trial, double huber) {
-  MinimumPoint at;
-  for (const Estimate* e : fit.globals()) at.globals.push_back(e->value), at.at_bound.push_back(e->at_bound);
-  at.locals.resize(problem.blocks.size());
-  for (const Estimate& e : fit.nuisance)
-    if (e.trial >= 0) at.locals[std::size_t(e.trial)].push_back(e.value);
+  MinimumPoint at = point_of(fit, problem.blocks.size());
   Sensitivity further;
   for (const Term& t : shared) further.shared.push_back({t}), at.further.push_back(t.absent);
   for (const Term& t : per_trial) further.per_trial.push_back({t});
@@ -60,13 +46,12 @@ std::optional<Sensitivity> score_at(const LeastSquaresProblem& problem, const Es
 namespace {
 
 /// The test of shared term `a`. None where the fitted parameters have the same effect.
-std::optional<ScoreTest> test_of_shared(const Sensitivity& s, const ScaledSolver& solve, const VectorXd& step,
-                                        std::size_t a) {
+std::optional<ScoreTest> test_of_shared(const Sensitivity& s, const MatrixXd& gram, const ScaledSolver& solve,
+                                        const VectorXd& step, std::size_t a) {
   constexpr double kRounding = 1e-12;  // of a term's effect, not explained by the fitted parameters
-  const int F = s.parameters(), r = F + int(s.shared.size() + s.per_trial.size()), i = F + int(a);
-  const VectorXd cross = s.sum(0, i, F, 1), shift = solve(cross);
-  const double own = s.sum(i, i, 1, 1)(0), rest = own - cross.dot(shift),
-               gradient = s.sum(i, r, 1, 1)(0) - cross.dot(step);
+  const int F = s.parameters(), i = F + int(a);
+  const VectorXd cross = gram.col(i).head(F), shift = solve(cross);
+  const double own = gram(i, i), rest = own - cross.dot(shift), gradient = gram(i, gram.cols() - 1) - cross.dot(step);
   if (!(rest > kRounding * own && s.variance > 0)) return std::nullopt;
   const Term& term = s.shared[a];
   ScoreTest test{.term = term.name, .z = -gradient / std::sqrt(rest * s.variance), .size = -gradient / rest};
@@ -83,14 +68,12 @@ std::optional<ScoreTest> test_of_shared(const Sensitivity& s, const ScaledSolver
 /// eliminated: R t = -gradient with R = D - C' H^-1 C, D diagonal. By Woodbury only
 /// H - C D^-1 C' is ever solved for.
 std::optional<ScoreTest> test_of_trials(const Sensitivity& s, const VectorXd& step, std::size_t b) {
-  const int F = s.parameters(), r = F + int(s.shared.size() + s.per_trial.size()), M = s.trials();
-  const int i = F + int(s.shared.size() + b);
-  MatrixXd c = MatrixXd::Zero(F, M);
-  VectorXd d = VectorXd::Zero(M), gradient = VectorXd::Zero(M);
-  for (std::size_t p = 0; p < s.parts.size(); ++p) {
-    const long m = long(p) / s.parts_per_trial;
-    c.col(m) += s.parts[p].block(0, i, F, 1);
-    d[m] += s.parts[p](i, i), gradient[m] += s.parts[p](i, r);
+  const int F = s.parameters(), M = s.trials(), i = F + int(s.shared.size() + b);
+  MatrixXd c(F, M);
+  VectorXd d(M), gradient(M);
+  for (int m = 0; m < M; ++m) {
+    const MatrixXd gram = s.gram_of(m);
+    c.col(m) = gram.col(i).head(F), d[m] = gram(i, i), gradient[m] = gram(i, gram.cols() - 1);
   }
   gradient -= c.transpose() * step;
   VectorXd inverse(M);
@@ -117,9 +100,10 @@ std::optional<ScoreTest> test_of_trials(const Sensitivity& s, const VectorXd& st
 std::vector<ScoreTest> score_tests_of(const Sensitivity& s) {
   const ScaledSolver solve(s.information);
   const VectorXd step = solve(s.gradient);
+  const MatrixXd gram = s.gram();
   std::vector<ScoreTest> out;
   for (std::size_t a = 0; a < s.shared.size(); ++a)
-    if (auto test = s.shared[a].tested ? test_of_shared(s, solve, step, a) : std::nullopt)
+    if (auto test = s.shared[a].tested ? test_of_shared(s, gram, solve, step, a) : std::nullopt)
       out.push_back(std::move(*test));
   for (std::size_t b = 0; b < s.per_trial.size(); ++b)
     if (auto test = s.per_trial[b].tested ? test_of_trials(s, step, b) : std::nullopt) out.push_back(std::move(*test));
@@ -133,11 +117,8 @@ std::vector<double> chow_tests_of(const Sensitivity& s) {
   const VectorXd step = solve(s.gradient);
   std::vector<double> out;
   for (int m = 0; M > 1 && m < M; ++m) {
-    MatrixXd information = MatrixXd::Zero(F, F);
-    VectorXd gradient = VectorXd::Zero(F);
-    for (int p = m * s.parts_per_trial; p < (m + 1) * s.parts_per_trial; ++p)
-      information += s.parts[std::size_t(p)].topLeftCorner(F, F),
-          gradient += s.parts[std::size_t(p)].topRightCorner(F, 1);
+    const MatrixXd gram = s.gram_of(m), information = gram.topLeftCorner(F, F);
+    const VectorXd gradient = gram.topRightCorner(F, 1);
     const VectorXd unit = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const SymmetricEigen rest =
         symmetric_eigen(unit.asDiagonal() * (information - information * solve(information)) * unit.asDiagonal());

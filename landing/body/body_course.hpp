@@ -95,7 +95,7 @@ class BodyCourse {
       system.piece[i] = constant_reference(motion[i].release_phi());
     }
     place_base(y);
-    system.settle_lags(0.0, y);
+    system.settle_lags_at(0.0, y);
     system.settle(0.0, y);
     return y;
   }

@@ -119,7 +119,7 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   };
   energy += unbalanced_energy();
   if constexpr (System::kWork > System::kLag)  // torques still on their way in late drives
-    s.settle_lags(t, still), energy += unbalanced_energy();
+    s.settle_lags_at(t, still), energy += unbalanced_energy();
   if (downhill || !(energy <= limit)) return false;
   if (!free) return true;
   const auto at = s.pose(y);

@@ -219,15 +219,20 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
                       : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
   }
-  /// Sets the states of late drives as if the rates of y and the torque requested at t had always been constant.
-  template <class Time>
-  void settle_lags(const Time& t, State& y) const {
+  /// Sets the states of late drives as if the rates of y and the torque requested(i, state) had always been constant.
+  template <class Requested>
+  void settle_lags(State& y, Requested&& requested) const {
     if constexpr (kSize.late)
       for (int i = 0; i < body.joints; ++i) {
         if (drive[i].kind != DriveKind::kElastic) continue;
         const SeaState<T> s = joint_state(i, y);
-        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(requested_torque(i, t, s), s);
+        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(requested(i, s), s);
       }
+  }
+  /// The same with Eq. 3 at t.
+  template <class Time>
+  void settle_lags_at(const Time& t, State& y) const {
+    settle_lags(y, [&](int i, const SeaState<T>& s) { return requested_torque(i, t, s); });
   }
   /// The torque of joint i on its child, its motor's torque being requested() [Nm]; `motor`: as in torque().
   template <class Requested>

@@ -73,7 +73,7 @@ class DrivenRun {
     run_controller(next_controller_row_++);
     set_push_pieces(passed_push_edges_ = until(push_edges_, t - time_shift_));
     read_row(next_row_ > 0 ? next_row_ - 1 : 0);
-    settle_lags();
+    system_.settle_lags(y_, [this](int i, const SeaState<double>& s) { return requested_torque(i, s); });
     system_.settle_with([this](const State& y) { return holds(t_, y); }, y_);
   }
   /// Advances to `until`; steps end at the edges of commands, and each part takes as many as the whole interval would.
@@ -265,15 +265,6 @@ class DrivenRun {
         return lag.torque(requested, x);
       }
     return requested_torque(i, s);
-  }
-  /// Sets the states of late drives as if the torque requested at the start had always been constant.
-  void settle_lags() {
-    if constexpr (kSize.late)
-      for (int i = 0; i < system_.body.joints; ++i) {
-        const SeaState<double> s = system_.joint_state(i, y_);
-        y_.template segment<System::kLags>(System::kLag + System::kLags * i) =
-            DriveLag<double>(system_.drive[i].sea).steady(requested_torque(i, s), s);
-      }
   }
   /// The torque of joint i in the state y, as torque_of for derivative_under; in `dy` the rates of lags.
   auto torque_of(const State& y, State* dy) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "identify/logs/hits.hpp"
 #include "identify/logs/trial_checks.hpp"
 #include "test/impact.hpp"
 

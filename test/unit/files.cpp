@@ -19,6 +19,7 @@
 #include "common/degrees.hpp"
 #include "common/files.hpp"
 #include "common/toml.hpp"
+#include "identify/logs/hits.hpp"
 #include "identify/logs/trial.hpp"
 #include "identify/logs/trial_checks.hpp"
 #include "identify/rig/rig.hpp"

@@ -160,7 +160,7 @@ TEST_CASE("face: columns of unequal length, too few samples and no trial are ref
   CHECK(refused([&] { (void)identify::identify({sound.rig, {}, sound.options}, sound.sea, sound.sea); }));
   const Fit f = fit(sound.rig, {sound.trial}, sound.sea, sound.sea, sound.options);
   CHECK(refused([&] { (void)test_residuals({sound.rig, {sound.trial, sound.trial}, sound.options}, f); }));
-  CHECK(refused([&] { (void)examine({sound.rig, {}, sound.options}, const_cast<Fit&>(f)); }));
+  CHECK(refused([&] { (void)score_of({sound.rig, {}, sound.options}, f); }));
   CHECK(refused([&] { (void)profile({sound.rig, {sound.trial}, sound.options}, f, "k_sea", {.points = 4}); }));
   const std::vector<Nuisance<double>> two(2);
   CHECK(refused([&] { (void)predict(sound.rig, {sound.trial}, sound.sea, sound.options, two); }));

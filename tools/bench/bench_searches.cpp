@@ -58,8 +58,7 @@ std::uint64_t seed_at(const CsvTable& table, std::size_t c, std::size_t row) {
 }  // namespace
 
 std::vector<SearchRun> read_searches(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused,
-                                  {"scene", "objective", "solver", "seed"});
+  const CsvTable table = read_csv(path, {}, NanCells::kRefused, {"scene", "objective", "solver", "seed"});
   const std::size_t scene = column(table, "scene"), goal = column(table, "objective"), solver = column(table, "solver"),
                     seed = column(table, "seed"), budget = column(table, "budget_s");
   column(table, kColumns[kValue]);
@@ -82,7 +81,7 @@ std::vector<SearchRun> read_searches(const std::string& path) {
 }
 
 BestKnown best_known(const std::string& path) {
-  const CsvTable table = read_csv(path, [](const std::string&) { return true; }, NanCells::kRefused, {"scene"});
+  const CsvTable table = read_csv(path, {}, NanCells::kRefused, {"scene"});
   if (table.rows() != kScenes.size()) throw InputError(path + ": a row for each of the ten scenes is needed");
   const std::size_t scene = column(table, "scene");
   for (const char* goal : kGoalNames) table.require_full(table.require(goal));

@@ -70,8 +70,7 @@ std::vector<ReferenceCase> read_reference(const std::string& folder) {
 }
 
 std::vector<ReferenceCase> read_rich_reference(const std::string& folder) {
-  const CsvTable table = read_csv(
-      folder + "/rich_cases.csv", [](const std::string&) { return true; }, NanCells::kAsEmpty);
+  const CsvTable table = read_csv(folder + "/rich_cases.csv", {}, NanCells::kAsEmpty);
   std::vector<ReferenceCase> out;
   for (std::size_t row = 0; row < table.rows(); ++row) {
     const auto value = [&](const std::string& name) { return table.columns[std::size_t(table.require(name))][row]; };

@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -13,6 +12,7 @@
 
 #include "common/actuator.hpp"
 #include "common/error.hpp"
+#include "common/text.hpp"
 
 namespace ukemi::tools {
 
@@ -58,23 +58,23 @@ std::vector<std::string> overlap_warnings(const std::vector<std::string>& fitted
 }
 
 std::string number_fault(const std::string& text, Whole whole) {
-  const char* begin = text.data() + (text.size() > 1 && text[0] == '+' && text[1] != '-');
-  const char* const end = text.data() + text.size();
-  double number = 0;
-  long integer = 0;
-  const auto [stop, error] =
-      whole == Whole::kYes ? std::from_chars(begin, end, integer) : std::from_chars(begin, end, number);
-  if (error == std::errc() && stop == end && std::isfinite(number)) return "";
+  const std::string digits = text.substr(text.size() > 1 && text[0] == '+' && text[1] != '-');
+  if (whole == Whole::kYes ? parsed_number<long>(digits).has_value()
+                           : std::isfinite(parsed_number<double>(digits).value_or(NAN)))
+    return "";
   return quoted(text) + (whole == Whole::kYes ? ": a whole number is needed" : ": a finite number is needed") +
          (text.find_first_of("xX") != std::string::npos ? ", in decimal digits" : "");
 }
 
 std::uint64_t to_seed(const std::string& option, const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && end == text.data() + text.size()) return value;
+  if (const auto value = parsed_number<std::uint64_t>(text)) return *value;
   throw InputError(fmt::format("{}: {}: a whole number from 0 to {} is needed", option, quoted(text),
                                std::numeric_limits<std::uint64_t>::max()));
+}
+
+double checked_rate(double rate) {
+  if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
+  return rate;
 }
 
 std::pair<std::uint64_t, std::uint64_t> part_of(const std::string& option, const std::string& text) {

@@ -45,6 +45,9 @@ struct NumberRange {
 };
 NumberRange number_range(const std::string& option, const std::string& text, bool counted);
 
+/// The rows a second of --rate [Hz]. Throws InputError unless they are above 0 and at most 1e6.
+double checked_rate(double rate);
+
 /// K/N as the pair K, N: part K of N, counted from 1.
 std::pair<std::uint64_t, std::uint64_t> part_of(const std::string& option, const std::string& text);
 

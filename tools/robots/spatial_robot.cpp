@@ -5,13 +5,13 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/text.hpp"
 
 namespace ukemi::tools {
 
@@ -22,9 +22,7 @@ constexpr int kMaxDepth = 256;                                      ///< of nest
 constexpr int kMaxBodies = 1000;                                    ///< the parsers may nest one within another
 
 std::string extension_of(const std::string& path) {
-  std::string out = std::filesystem::path(path).extension().string();
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  return out;
+  return lower_case(std::filesystem::path(path).extension().string());
 }
 
 /// Throws InputError where elements nest too deeply, by counting '<' outside of comments and declarations: XML parsers

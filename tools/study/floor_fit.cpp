@@ -155,10 +155,11 @@ std::vector<identify::Considered> considered_of(const DropSimulator& simulator, 
   std::vector<identify::Considered> out;
   if (!s) return out;
   const identify::ScaledSolver solve(s->information);
+  const Eigen::MatrixXd gram = s->gram();
   int column = s->parameters();
   for (const auto& [name, std] : errors)
     out.push_back(
-        identify::considered(*s, solve, name, std, std * s->sum(0, column++, s->parameters(), 1), c.fitted.size()));
+        identify::considered(*s, solve, name, std, std * gram.block(0, column++, s->parameters(), 1), c.fitted.size()));
   return out;
 }
 

@@ -207,11 +207,6 @@ double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
 
 namespace {
 
-double rate_of(double rate) {
-  if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
-  return rate;
-}
-
 struct RobotArguments {
   std::string file;
   std::vector<std::string> actuators;
@@ -280,7 +275,7 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   const BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
   check_exports(a.exports, scene.robot);
   const BodyMotion motion = motion_of(scene, a.motion, run);
-  const double rate = rate_of(a.rate.value_or(1000));
+  const double rate = checked_rate(a.rate.value_or(1000));
   SimulateOptions options;
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
@@ -323,7 +318,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   BodyScene scene = scene_to_plan(a, run);
   check_exports(a.exports, scene.robot);
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
-  const double rate = rate_of(a.rate);
+  const double rate = checked_rate(a.rate);
   BodyPlanOptions options = plan_options(a, common, scene, run);
   check_share(scene, a.share, "--share");
   options.deadline = a.deadline;

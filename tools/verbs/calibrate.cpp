@@ -150,23 +150,6 @@ Motion motion_of(const std::string& path, Run& run) {
   return read_motion(path);
 }
 
-/// Reads the logs; each drop with its motion, by default `motion`, and initial conditions.
-std::vector<LoggedDrop> read_drops(const std::vector<std::string>& paths, const CalibrateArguments& a,
-                                   const Scene& scene, const std::optional<Motion>& motion, Run& run) {
-  std::vector<LoggedDrop> out;
-  for (const std::string& path : paths) {
-    run.input(path);
-    LoggedDrop d{.log = read_drop(path), .motion = {}, .thrown = scene.drop};
-    const auto own = value_of("--motion-of", a.motion_of, path);
-    if (!own && !motion) throw InputError(quoted(path) + ": no motion: give --motion, or --motion-of for this drop");
-    d.motion = own ? motion_of(*own, run) : *motion;
-    set_drop(a, path, d.thrown);
-    warn_of_log(d.log, run);
-    out.push_back(std::move(d));
-  }
-  return out;
-}
-
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return calibrate_body(a, common);
   Run run(kCalibrateOutputs, common);
@@ -179,14 +162,12 @@ int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {
   run.input(a.scene);
   const Actuator actuator = landing_actuator_of(file, run);
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, run));
-  check_drop_names(a);
-  for (const std::string& twice : duplicate_warnings(a.drops)) run.warn(twice);
-  const std::vector<LoggedDrop> drops = read_drops(a.drops, a, scene, motion, run),
-                                unseen = read_drops(a.validate, a, scene, motion, run);
-  check_drops(scene, drops);
-  if (!unseen.empty()) check_drops(scene, unseen);
-  for (const std::string& known : overlap_warnings(a.drops, a.validate)) run.warn(known);
-  run.info(fmt::format("fitting {} drops", drops.size()));
+  const auto played = [&](const std::string& drop, const std::optional<std::string>& own) {
+    if (!own && !motion) throw InputError(quoted(drop) + ": no motion: give --motion, or --motion-of for this drop");
+    return own ? motion_of(*own, run) : *motion;
+  };
+  const auto [drops, unseen] = given_drops<LoggedDrop>(
+      a, scene, run, [](const std::string& path) { return read_drop(path); }, played);
   Calibration c = calibrate(scene, actuator.sea, drops, options);
   c.scene.floor_source = "calibrated from drop logs by ukemi";
   std::optional<CalibratedDrops> validation;

@@ -96,7 +96,7 @@ int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   Scene scene = scene_of(a.scene, a.freedom, run);
   scene.drop.height = checked_height(a.height).value_or(scene.drop.height);
   const Actuator actuator = rated_actuator_of(file, run);
-  if (!(a.rate > 0 && a.rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", a.rate));
+  (void)checked_rate(a.rate);
   AnswerOptions options = options_of(a, common, actuator, run);
   options.robust = robust_of(a, scene, actuator, run);
   const OptimizeOptions& o = options.search;

@@ -1,16 +1,17 @@
 // ukemi simulate.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <memory>
 
 #include "common/error.hpp"
+#include "common/text.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
@@ -24,11 +25,8 @@ namespace {
 /// The drop in FILE:ROW.
 ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuator& actuator, Run& run) {
   const std::size_t colon = text.rfind(':');
-  const std::string row = colon == std::string::npos ? "" : text.substr(colon + 1);
-  long number = 0;
-  const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), number);
-  if (error != std::errc() || end != row.data() + row.size() || number < 1)
-    throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
+  const long number = colon == std::string::npos ? 0 : parsed_number<long>(text.substr(colon + 1)).value_or(0);
+  if (number < 1) throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
   const std::string file = text.substr(0, colon);
   run.input(file);
   const std::vector<ScatteredDrop> drops = read_drops(file, scene, actuator.sea);
@@ -46,8 +44,7 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   scene.drop.height = checked_height(a.height).value_or(scene.drop.height);
   Actuator actuator = rated_actuator_of(file, run);
   Motion motion = motion_of(a.motion, "simulate", run);
-  const double rate = a.rate.value_or(1000);
-  if (!(rate > 0 && rate <= 1e6)) throw InputError(fmt::format("--rate: {}: above 0 to 1e6 Hz is needed", rate));
+  const double rate = checked_rate(a.rate.value_or(1000));
   SimulateOptions options;
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
