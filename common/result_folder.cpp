@@ -191,9 +191,14 @@ void ResultFolder::refuse_as_input(const ReadFile& file) const {
   }
 }
 
-void ResultFolder::withdraw_summary() const {
+void ResultFolder::adopt(const std::vector<std::string>& names) {
+  names_.insert(names_.end(), names.begin(), names.end());
+}
+
+void ResultFolder::withdraw() const {
   std::error_code ec;
   fs::remove(fs::path(path_) / kSummaryFile, ec);
+  for (const std::string& name : existing()) fs::remove(fs::path(path_) / name, ec);
 }
 
 void ResultFolder::replace(const std::map<std::string, std::string>& files) const {

@@ -26,8 +26,10 @@ class ResultFolder {
 
   /// Throws InputError where `replace` would overwrite or remove the file, under whatever name it was read.
   void refuse_as_input(const ReadFile& file) const;
-  /// Removes the summary, before the other files change.
-  void withdraw_summary() const;
+  /// Counts further files among those that `replace` removes: what an earlier run of another kind wrote.
+  void adopt(const std::vector<std::string>& names);
+  /// Removes the earlier results, the summary first.
+  void withdraw() const;
   /// Replaces all earlier files under the names by these, which include a summary. Throws InputError with the system's
   /// reason and leaves the earlier files untouched.
   void replace(const std::map<std::string, std::string>& files) const;

@@ -87,7 +87,8 @@ class BodyFollower {
     }
     const bool may_rest = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.detecting();
     const double rest_square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
-    if (may_rest && at_rest(system_, t_, integrator.state(), rest_square, impact_)) return End::kRest;
+    if (may_rest && at_rest(system_, t_, integrator.state(), rest_square, impact_, options_.accuracy))
+      return End::kRest;
     return std::nullopt;
   }
   /// Tracks the loads in the step.

@@ -4,9 +4,10 @@
 //     E = kinetic energy without the common sliding of a free robot + kinetic energy of the motors
 //         + 1/2 a . M a / w^2,   a the accelerations at zero rates, w the softest_frequency: the unbalanced forces, as
 //           the energy of the softest spring that may still carry them
-// is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak; a free
-// robot's centre of mass is also within its support, E is at most kBarrierShare of the barrier to topple over either
-// end, and it does not gain speed down a slope. Ours; test/legs/references.cpp integrates ended runs to t_end.
+// is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak, or
+// what steps leave unresolved; a free robot's centre of mass is also within its support, E is at most kBarrierShare of
+// the barrier to topple over either end, and it does not gain speed down a slope. Ours; test/legs/references.cpp
+// integrates ended runs to t_end.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +19,37 @@
 
 namespace ukemi::landing {
 
-/// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
-template <class System>
-double impact_energy(const System& s) {
-  constexpr double kDeep = 0.05;  // a contact of Hunt and Crossley is never deeper [m]
+/// Stiffness [N/m] and damping [N/(m/s)] of the stiffest contact.
+struct StiffestContact {
   double k = 0, c = 0;
+};
+template <class System>
+StiffestContact stiffest_contact(const System& s) {
+  constexpr double kDeep = 0.05;  // a contact of Hunt and Crossley is never deeper [m]
+  StiffestContact out;
   for (int i = 0; i < s.body.contacts; ++i) {
     const auto& x = s.point[i];
     const double power = x.hunt_crossley ? x.k * std::pow(kDeep, x.p - 1) : x.k;
-    k = std::max(k, power + x.k_pad);
-    c = std::max(c, (x.hunt_crossley ? x.dissipation * power * kDeep : x.c) + x.c_pad);
+    out.k = std::max(out.k, power + x.k_pad);
+    out.c = std::max(out.c, (x.hunt_crossley ? x.dissipation * power * kDeep : x.c) + x.c_pad);
   }
+  return out;
+}
+
+/// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
+template <class System>
+double impact_energy(const System& s) {
+  const auto [k, c] = stiffest_contact(s);
   const double m = 0.25 * s.body.mass, per_speed = c / m + std::sqrt(k / m);
   return kImpactShare * 0.5 * m / (per_speed * per_speed);
+}
+
+/// Energy that steps of this accuracy leave in a contact that rests: they move it by some times their tolerance [J].
+template <class System>
+double unresolved_energy(const System& s, double accuracy) {
+  constexpr double kMoved = 10;  // measured: up to 7
+  const double shift = kMoved * accuracy * s.tolerance_unit(System::kY);
+  return 0.5 * stiffest_contact(s).k * shift * shift;
 }
 
 /// Distance of a free robot's centre of mass, shifted by the forces' lever, inside the edge of its support [m].
@@ -82,12 +101,14 @@ double softest_frequency(const System& s) {
 
 inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
-/// Whether the run may end in the state y by the rule above.
+/// Whether the run, of steps of this accuracy, may end in the state y by the rule above; never if peak_square < 0.
 template <class System>
-bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square) {
+bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square,
+             double accuracy) {
+  if (peak_square < 0) return false;
   for (int i = 0; i < s.body.joints; ++i)
     if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return false;
-  const double limit = per_square * peak_square;
+  const double limit = std::max(per_square * peak_square, unresolved_energy(s, accuracy));
   const bool free = s.body.base == Base::kFree;
   auto p = s.pose(y);
   const double sliding_speed = p.vx;

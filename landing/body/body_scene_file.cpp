@@ -116,6 +116,21 @@ std::vector<Load> read_stops(TomlFile& file, const Robot& robot) {
   return out;
 }
 
+/// Throws InputError on the first of these tables that a file has; `home`: where such tables belong.
+void refuse_tables(TomlFile& file, std::initializer_list<const char*> names, const std::string& home) {
+  for (const char* name : names)
+    if (auto s = file.optional(name)) s->fail("", "it belongs into " + home);
+}
+
+/// [robot] of a scene that names no robot's file.
+TomlSection require_robot(TomlFile& file) {
+  try {
+    return file.require("robot");
+  } catch (const InputError& e) {
+    throw InputError(std::string(e.what()) + ": it, or robot = \"FILE\" above all tables, says which robot falls");
+  }
+}
+
 /// Default law of contacts without [floor].
 constexpr ContactLaw kNoFloor{.stiffness = 1};
 
@@ -183,8 +198,15 @@ BodyScene read(const std::string& path, const std::vector<GivenDrive>& drives, U
     read_robot_tables(other, &file, law, drives, out);
     commands = read_command_path(other, out.robot), (void)read_sensors(other, out.robot);
     read_fit(other);
+    refuse_tables(file, {"stop", "command", "sensor", "identified"},
+                  "the robot's file " + ukemi::quoted(out.robot_file));
+    refuse_tables(other,
+                  {"floor", "drop", "search", "release", "joint", "motion", "scatter", "uncertainty", "execution",
+                   "run", "detection"},
+                  "the scene's file " + ukemi::quoted(path));
     other.finish();
   } else {
+    (void)require_robot(file);
     read_robot_tables(file, nullptr, law, drives, out);
     commands = read_command_path(file, out.robot), (void)read_sensors(file, out.robot);
     read_fit(file);
@@ -320,8 +342,7 @@ TomlFile open_edited(const std::string& path, const Texts& texts) {
 bool is_of_links(const std::string& path) {
   TomlFile file(path);
   if (file.optional_text("robot") || !file.sections("load").empty()) return true;
-  auto robot = file.optional("robot");
-  return robot && robot->has("link");
+  return require_robot(file).has("link");
 }
 
 BodyScene read_body_scene(const std::string& path, const std::vector<GivenDrive>& drives) {

@@ -108,7 +108,8 @@ class DifferentiatedBody {
     return first && crossing.touched >= 0;
   }
   bool rests(double t, const Values& y, double square) const {
-    return course_.touched() && !course_.detecting() && at_rest(plain_, t, y, square, impact_energy(plain_));
+    return course_.touched() && !course_.detecting() &&
+           at_rest(plain_, t, y, square, impact_energy(plain_), options_.accuracy);
   }
 
  private:

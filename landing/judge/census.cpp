@@ -25,6 +25,13 @@ void PeakCensus::report(PeakRisk& out) const {
   out.histogram = histogram(peaks_, held_, out.peaks.q99.value);
 }
 
+void WorstDrops::sort() {
+  const auto kept = std::min(drops_.size(), std::size_t(Risk::kWorst));
+  std::partial_sort(drops_.begin(), drops_.begin() + long(kept), drops_.end(),
+                    [](auto& a, auto& b) { return std::pair(-a.first, a.second) < std::pair(-b.first, b.second); });
+  drops_.resize(kept);
+}
+
 IndexPlan::IndexPlan(const Sampler& sampler, long samples) : sampler_(&sampler) {
   if (samples > 0 && sampler.groups().size() > 1)
     n_ = std::max(2L, std::lround(std::exp2(std::round(std::log2(double(samples) / double(blocks()))))));

@@ -32,6 +32,18 @@ class PeakCensus {
   long failed_ = 0, held_failed_ = 0;
 };
 
+/// Indices of the drops with the highest peaks, at most Risk::kWorst.
+class WorstDrops {
+ public:
+  void add(double peak, long index) { drops_.emplace_back(peak, index); }
+  /// Sorts them, the worst first, and drops the others; of equal peaks the first index is first.
+  void sort();
+  const std::vector<std::pair<double, long>>& drops() const { return drops_; }
+
+ private:
+  std::vector<std::pair<double, long>> drops_;
+};
+
 /// Sobol's indices of the groups of a sampler: n base points each of A and B, and for each group those of A with its
 /// numbers from B.
 class IndexPlan {

@@ -88,6 +88,7 @@ class LimitCounter {
   /// The landings without limits. Where the runner stops, they are incomplete and not counted.
   const std::vector<LandingPeak>& land(std::span<const ScatteredDrop> drops, DropRunner& runner) {
     landed_ = runner.play(landings_, planned_, drops, all_limits_);
+    beyond_stops_.assign(drops.size(), false);
     std::vector<std::size_t> indices;
     std::vector<ScatteredDrop> broken;
     for (std::size_t i = 0; i < drops.size(); ++i)
@@ -95,20 +96,27 @@ class LimitCounter {
     if (broken.empty()) return landed_;
     const std::vector<LandingPeak>& unlimited = runner.play(landings_, planned_, broken);
     for (std::size_t k = 0; k < indices.size(); ++k) landed_[indices[k]] = unlimited[k];
-    std::vector<long> counts;
-    for (const auto& [event, limits] : event_limits_) counts.push_back(broken_by(limits, indices, broken, runner));
-    for (std::size_t k = 0; k < counts.size() && !runner.stopped(); ++k) event_limits_[k].first->drops += counts[k];
+    std::vector<std::vector<std::size_t>> breaking;
+    for (const auto& [event, limits] : event_limits_) breaking.push_back(breaking_of(limits, indices, broken, runner));
+    for (std::size_t k = 0; k < breaking.size() && !runner.stopped(); ++k) {
+      RiskEvent& event = *event_limits_[k].first;
+      event.drops += long(breaking[k].size());
+      if (event.kind == RiskEvent::Kind::kStops)
+        for (const std::size_t i : breaking[k]) beyond_stops_[i] = true;
+    }
     return landed_;
   }
+  /// Whether the joint leaves its stops, in each of these landings.
+  const std::vector<bool>& beyond_stops() const { return beyond_stops_; }
 
  private:
-  /// How many of these drops, of those that can be followed, break these limits; each breaks some limit.
-  long broken_by(const Limits& limits, const std::vector<std::size_t>& indices, std::span<const ScatteredDrop> drops,
-                 DropRunner& runner) {
+  /// Which of these drops, of those that can be followed, break these limits; each breaks some limit.
+  std::vector<std::size_t> breaking_of(const Limits& limits, const std::vector<std::size_t>& indices,
+                                       std::span<const ScatteredDrop> drops, DropRunner& runner) {
     const auto* limited = event_limits_.size() > 1 ? &runner.play(landings_, planned_, drops, limits) : nullptr;
-    long out = 0;
+    std::vector<std::size_t> out;
     for (std::size_t k = 0; k < indices.size(); ++k)
-      out += followed(landed_[indices[k]]) && (!limited || (*limited)[k].end == End::kBroken);
+      if (followed(landed_[indices[k]]) && (!limited || (*limited)[k].end == End::kBroken)) out.push_back(indices[k]);
     return out;
   }
 
@@ -117,6 +125,7 @@ class LimitCounter {
   Limits all_limits_;
   ScatteredLandings landings_;
   std::vector<LandingPeak> landed_;
+  std::vector<bool> beyond_stops_;
 };
 
 /// Collects the results of the drops.
@@ -125,36 +134,37 @@ class RiskCensus {
   RiskCensus(std::vector<RiskEvent>& events) : events_(events) {}
 
   void add(long first, std::span<const ScatteredDrop> drops, const std::vector<LandingPeak>& landed,
-           const std::vector<LandingPeak>& held) {
+           const std::vector<bool>& beyond_stops, const std::vector<LandingPeak>& held) {
     for (const LandingPeak& l : held) peaks_.add_held(peak_of(l)), held_lost_ += followed(l) && l.joint_lost;
     for (const ScatteredDrop& d : drops) from_floor_ += d.from_floor;
     for (std::size_t i = 0; i < landed.size(); ++i) {
       const LandingPeak& l = landed[i];
       if (!peaks_.add_motion(peak_of(l))) continue;
       lost_ += l.joint_lost;
-      worst_.emplace_back(-l.peak, first + long(i));
+      worst_.add(l.peak, first + long(i));
       const int n = l.peak_contact;
       peaks_.add_contact(n + 1, n < 0 ? -1 : int(l.contacts[n]));
-      for (RiskEvent& e : events_)
-        if (e.kind == RiskEvent::Kind::kTouch) e.drops += l.contacts.touched(Point(e.point));
+      bool broken = beyond_stops[i];
+      for (RiskEvent& e : events_) {
+        const bool touched = e.kind == RiskEvent::Kind::kTouch && l.contacts.touched(Point(e.point));
+        e.drops += touched, broken = broken || touched;
+      }
+      broken_ += broken;
     }
-    const auto kept = std::min(worst_.size(), std::size_t(Risk::kWorst));
-    std::partial_sort(worst_.begin(), worst_.begin() + long(kept), worst_.end());
-    worst_.resize(kept);
+    worst_.sort();
   }
 
   void report(Risk& out) const {
     peaks_.report(out);
-    out.lost = lost_, out.held_lost = held_lost_, out.from_floor = from_floor_;
+    out.lost = lost_, out.held_lost = held_lost_, out.from_floor = from_floor_, out.broken = broken_;
   }
-  /// Negative peaks and indices of the worst drops.
-  const std::vector<std::pair<double, long>>& worst() const { return worst_; }
+  const std::vector<std::pair<double, long>>& worst() const { return worst_.drops(); }
 
  private:
   std::vector<RiskEvent>& events_;
   PeakCensus peaks_;
-  std::vector<std::pair<double, long>> worst_;
-  long lost_ = 0, held_lost_ = 0, from_floor_ = 0;
+  WorstDrops worst_;
+  long lost_ = 0, held_lost_ = 0, from_floor_ = 0, broken_ = 0;
 };
 
 }  // namespace
@@ -182,13 +192,13 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
     const std::vector<LandingPeak>& landed_held = runner.play(held_landings, held, held_drops);
     const std::vector<LandingPeak>& landed = limit_counter.land(drops, runner);
     if (runner.stopped()) break;
-    census.add(first, drops, landed, landed_held);
+    census.add(first, drops, landed, limit_counter.beyond_stops(), landed_held);
     runner.played(count + long(held_drops.size()));
   }
   census.report(out);
   for (const auto& [peak, index] : census.worst())
     out.worst.push_back(
-        {drawn ? model.even(1, options.seed, index).front() : options.measured[std::size_t(index)], -peak});
+        {drawn ? model.even(1, options.seed, index).front() : options.measured[std::size_t(index)], peak});
   out.why_none = drawn ? plan.why_none(runner.stopped()) : Risk::WhyNone::kMeasured;
   if (out.why_none != Risk::WhyNone::kThere) return out;
   ScatteredLandings index_landings;

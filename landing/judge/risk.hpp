@@ -51,18 +51,21 @@ struct PeakRisk {
     SobolIndex index;
   };
 
-  Distribution peaks, held;           ///< of the motion; of the held reference over the same drops (drawn: kHeldDrops)
-  long failed = 0, held_failed = 0;   ///< landings that could not be followed to the floor; excluded
-  long lost = 0, held_lost = 0;       ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
-  long from_floor = 0;                ///< drops that would begin below the floor; they begin on it
-  std::vector<PeakContact> contacts;  ///< most drops first
-  std::vector<RiskEvent> events;      ///< of the drops that were followed
-  std::vector<PeakBin> histogram;     ///< of the motion, and of the held reference
+  Distribution peaks, held;          ///< of the motion; of the held reference over the same drops (drawn: kHeldDrops)
+  long failed = 0, held_failed = 0;  ///< landings that could not be followed to the floor; excluded
+  long lost = 0, held_lost = 0;      ///< of the others, those whose drive lost the joint: LandingPeak::joint_lost
+  long from_floor = 0;               ///< drops that would begin below the floor; they begin on it
+  long broken = 0;  ///< of those followed, in which a limit breaks: forbidden touch, joint's stops, load with `limit`
+  std::vector<PeakContact> contacts;       ///< most drops first
+  std::vector<RiskEvent> events;           ///< of the drops that were followed
+  std::vector<PeakBin> histogram;          ///< of the motion, and of the held reference
   std::vector<Uncertainty> uncertainties;  ///< the largest total index first; empty: see `why_none`
   enum class WhyNone { kThere, kMeasured, kNothingScatters, kOneGroup, kStopped } why_none = WhyNone::kThere;
   long index_landings = 0, index_failed = 0;  ///< landings of the indices; of these not followed
   /// Maximum number of drawn drops for the held reference: enough for its tail to 1 %.
   static constexpr long kHeldDrops = 16'384;
+  /// Share of the followed drops that keep every limit; NaN: none was followed.
+  double kept() const { return 1 - double(broken) / double(peaks.samples); }
 };
 
 struct RiskyDrop {

@@ -332,7 +332,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   [[gnu::noinline]] bool rests(int i) const {
     const Course& course = *course_[i];
     return course.touched() && !course.detecting() &&
-           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_energy_[i]);
+           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_energy_[i], options_.accuracy);
   }
 
   BodyBatchSource& source_;

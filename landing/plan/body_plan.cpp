@@ -485,6 +485,7 @@ std::optional<BodyUnderScatter> evaluate_on_fresh(const BodyScene& scene, const 
   BodyUnderScatter out{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
   const BodyDropModel model(scene, out.scatter,
                             {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
+  if (!model.scatters()) return std::nullopt;
   const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
   const std::function<bool()> past_deadline = [&] { return options.deadline && watch.seconds() > *options.deadline; };
   std::vector<double> planned, held;
@@ -512,8 +513,7 @@ std::optional<BodyUnderScatter> evaluate_on_fresh(const BodyScene& scene, const 
 BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
   scene.validate(), options.validate(), check_share(scene, options.share);
   const Stopwatch watch(Stopwatch::Time::kWall);
-  const bool scatters = options.measure || options.scatter || scene.scatter;
-  const bool reports = options.fresh > 0 && (options.deadline ? options.share.has_value() : scatters);
+  const bool reports = options.fresh > 0 && (!options.deadline || options.share);
   BodyPlanOptions search = options;
   if (reports && search.deadline) *search.deadline *= 1 - kFreshShare;
   BodyPlan out;

@@ -60,7 +60,7 @@ struct BodyPlan {
   double value = 0;     ///< the goal: the peak, the tolerant peak, the measure over the judging drops; NaN: none found
   double held_value = 0;                  ///< the goal of the held posture
   bool held_keeps_limits = true;          ///< false: it cannot be the answer
-  std::optional<BodyUnderScatter> under;  ///< where drops scatter; with a deadline only for a share, if time is left
+  std::optional<BodyUnderScatter> under;  ///< if drops scatter; with a deadline only for a share, if time is left
   std::vector<Variable> variables;
   Edges edges{};  ///< edges of the ranges on which the motion lies
   long evaluations = 0;

@@ -86,6 +86,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
                 long samples, const BodyRiskOptions& options, DropRunner& runner) {
   const BodyMotion hold = held_posture(model.scene());
   PeakCensus census;
+  WorstDrops worst;
   for (long first = 0; first < samples; first += kChunk) {
     std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
     const auto of_held = std::span<const BodyDrop>(drops).first(
@@ -95,8 +96,10 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
     if (runner.stopped()) break;
     for (const double x : held_peaks) census.add_held(x);
     for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
-    for (const BodyLanding& l : landings) {
+    for (std::size_t i = 0; i < landings.size(); ++i) {
+      const BodyLanding& l = landings[i];
       if (!census.add_motion(no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak)) continue;
+      worst.add(l.peak, first + long(i));
       out.lost += std::any_of(l.demands.begin(), l.demands.end(),
                               [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
       const PeakContact c = peak_contact(l);
@@ -109,9 +112,12 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
       }
       out.broken += broken;
     }
+    worst.sort();
     runner.played(long(drops.size() + of_held.size()));
   }
   census.report(out);
+  for (const auto& [peak, index] : worst.drops())
+    out.worst.push_back({model.even(1, options.seed, index).front(), peak});
 }
 
 }  // namespace

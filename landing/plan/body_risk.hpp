@@ -21,9 +21,11 @@ struct BodyRiskOptions {
 struct BodyRisk : PeakRisk {
   Scatter scatter;
   bool assumed = false;  ///< neither the options nor the scene have a scatter
-  long broken = 0;       ///< of the drops that were followed, those in which a limit is broken
-  /// Share of the followed drops that keep every limit; NaN: none was followed.
-  double kept() const { return 1 - double(broken) / double(peaks.samples); }
+  struct Drop {
+    BodyDrop drop;
+    double peak;  ///< [m/s^2]
+  };
+  std::vector<Drop> worst;  ///< at most Risk::kWorst, the worst first
 };
 
 /// Plays a motion, and the held posture, over the drops of a scene; for Sobol's indices about as many landings again.

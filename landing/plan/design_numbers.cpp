@@ -221,6 +221,10 @@ std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, co
   return find_number(scene, name).set;
 }
 
+std::function<double(const BodyScene&)> design_getter(const BodyScene& scene, const std::string& name) {
+  return find_number(scene, name).get;
+}
+
 double design_number(const BodyScene& scene, const std::string& name) { return find_number(scene, name).get(scene); }
 
 void set_design_number(BodyScene& scene, const std::string& name, double value) {

@@ -23,6 +23,9 @@ bool is_rating(const std::string& name);
 /// use; BodyScene::validate checks the result.
 std::function<void(BodyScene&, double)> design_setter(const BodyScene& scene, const std::string& name);
 
+/// Reads a number of scenes like this one, as design_number. For repeated use.
+std::function<double(const BodyScene&)> design_getter(const BodyScene& scene, const std::string& name);
+
 /// Its value; of several contacts the first's. NaN where it is absent, as a rating that is not given or the number of a
 /// missing pad. Throws InputError for a name that is not in design_names.
 double design_number(const BodyScene& scene, const std::string& name);

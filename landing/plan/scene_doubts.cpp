@@ -23,6 +23,10 @@ class ReleasedPosture {
     for (const Joint& j : robot_.joints) check_angles(j);
     for (const Stop& s : robot_.stops)
       if (s.joint >= 0) check_stop(s);
+    for (const Load& l : scene_.loads)
+      if (l.kind == Load::Kind::kAngle)
+        add(radians_doubt(fmt::format("{}: phi_deg", l.name), {l.phi[0] * kDegrees, l.phi[1] * kDegrees}));
+    if (robot_.base == Base::kRail) add(radians_doubt("robot.rail.direction_deg", robot_.rail_direction * kDegrees));
     check_pin(), check_air(), check_pads();
     return out_;
   }

@@ -166,7 +166,7 @@ void check(const std::vector<TradeAxis>& axes, const TradeOptions& options) {
 }
 
 /// Index of the load of this name; "peak" is added where the scene has none.
-std::size_t find_or_add_load(BodyScene& scene, const std::string& name) {
+std::size_t find_or_add_load(BodyScene& scene, const std::string& name, const std::string& option) {
   std::vector<std::string> names;
   for (std::size_t i = 0; i < scene.loads.size(); ++i) {
     if (scene.loads[i].name == name && scene.loads[i].kind != Load::Kind::kTouch) return i;
@@ -174,17 +174,18 @@ std::size_t find_or_add_load(BodyScene& scene, const std::string& name) {
   }
   constexpr const char* kPeak = "peak";
   if (std::find(names.begin(), names.end(), kPeak) == names.end()) names.push_back(kPeak);
-  if (name != kPeak) throw InputError("front: " + one_of(name, names));
+  if (name != kPeak) throw InputError(option + ": " + one_of(name, names));
   scene.loads.push_back(
       {.name = kPeak, .kind = Load::Kind::kAcceleration, .index = scene.robot.peak_link, .at = scene.robot.peak});
   return scene.loads.size() - 1;
 }
 
 /// The scene with both loads of a front, neither of them a limit.
-BodyScene with_both_loads(BodyScene scene, const std::string& cost, const std::string& limited) {
-  if (cost == limited) throw InputError("front: " + quoted(cost) + ": two loads are needed");
-  scene.loads[find_or_add_load(scene, cost)].limit = false;
-  scene.loads[find_or_add_load(scene, limited)].limit = false;
+BodyScene with_both_loads(BodyScene scene, const std::string& cost, const std::string& limited,
+                          const std::string& option = "pareto") {
+  if (cost == limited) throw InputError(option + ": " + quoted(cost) + ": two loads are needed");
+  scene.loads[find_or_add_load(scene, cost, option)].limit = false;
+  scene.loads[find_or_add_load(scene, limited, option)].limit = false;
   return scene;
 }
 
@@ -240,7 +241,7 @@ class FrontStarts {
     const bool stopped = options_.monitor.stopped();
     TradePoint out{.held = best.held_value, .planned = best.value};
     if (best.found) out.motion = best.motion, out.edges = best.edges;
-    if (!best.found && (design == 0 || design + 1 == count_) && !stopped) throw InputError("front: " + best.message);
+    if (!best.found && (design == 0 || design + 1 == count_) && !stopped) throw InputError("pareto: " + best.message);
     ++plans_;
     options_.monitor.progress(plans_, long((1 + TradePoint::kPlans) * count_));
     out.plans = stopped ? 0 : 1;
@@ -260,15 +261,16 @@ class FrontStarts {
 
 }  // namespace
 
-void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited) {
-  (void)with_both_loads(scene, cost, limited);
+void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited,
+                 const std::string& option) {
+  (void)with_both_loads(scene, cost, limited, option);
 }
 
 Front pareto(const BodyScene& scene, const std::string& cost, const std::string& limited, std::size_t count,
              const TradeOptions& options) {
   constexpr double kMargin = 1e-3;  // of a limit, so that more than one motion keeps it
   scene.validate(), options.search.validate();
-  if (count < 2) throw InputError("front: two designs or more are needed");
+  if (count < 2) throw InputError("pareto: two designs or more are needed");
   const BodyScene both = with_both_loads(scene, cost, limited);
   Front out{minimising(both, cost), {}};
   BodyScene other = minimising(both, limited);

@@ -73,7 +73,8 @@ struct Front {
 [[nodiscard]] Front pareto(const BodyScene& scene, const std::string& cost, const std::string& limited,
                            std::size_t count, const TradeOptions& options);
 
-/// Throws InputError for a name that is no load, a load of kind kTouch, or equal names.
-void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited);
+/// Throws InputError "OPTION: ..." for a name that is no load, a load of kind kTouch, or equal names.
+void check_front(const BodyScene& scene, const std::string& cost, const std::string& limited,
+                 const std::string& option);
 
 }  // namespace ukemi::landing

@@ -58,12 +58,6 @@ ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParamet
   return out;
 }
 
-std::vector<std::string> names() {
-  std::vector<std::string> out;
-  for (const DropColumn& c : columns()) out.push_back(c.name);
-  return out;
-}
-
 }  // namespace
 
 DropNumbers numbers(const ScatteredDrop& d, const SeaParameters<double>& sea) {
@@ -117,32 +111,49 @@ void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& k
 
 }  // namespace
 
-std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scene, const SeaParameters<double>& sea) {
-  const std::vector<std::string> known = names();
+void read_drop_rows(const std::string& path, const std::vector<ReadColumn>& columns,
+                    const std::function<void(std::size_t rows)>& begin) {
+  std::vector<std::string> known;
+  for (const ReadColumn& c : columns) known.push_back(c.name);
   const CsvTable table = read_csv(
       path, [&](const std::string& name) { return std::find(known.begin(), known.end(), name) != known.end(); });
   refuse_near_misses(table, known);
-  std::vector<DropNumbers> rows(table.rows(), numbers({.scene = scene}, sea));
+  begin(table.rows());
   bool any = false;
-  for (const DropColumn& c : columns()) {
+  for (const ReadColumn& c : columns) {
     const int column = table.find(c.name);
     if (column < 0) continue;
     any = true;
     table.require_full(column);
-    if (!std::isfinite(c.of(rows[0])))
-      throw InputError(
-          {path, table.header_line, table.header_column[std::size_t(column)]},
-          fmt::format("{}: {}", quoted(c.name), c.constant ? "the actuator has none" : "the scene has no [floor]"));
-    const Range range = c.range;
-    for (std::size_t row = 0; row < rows.size(); ++row) {
+    if (!c.absent.empty())
+      throw InputError({path, table.header_line, table.header_column[std::size_t(column)]},
+                       fmt::format("{}: {}", quoted(c.name), c.absent));
+    for (std::size_t row = 0; row < table.rows(); ++row) {
       const double x = table.columns[std::size_t(column)][row];
-      if (!range.holds(x))
-        throw InputError(table.at(column, row),
-                         fmt::format("{}: {}: must be {}", quoted(c.name), shortest(x), range.rule));
-      c.of(rows[row]) = x * c.unit;
+      try {
+        c.set(row, x);
+      } catch (const InputError& e) {
+        throw InputError(table.at(column, row), fmt::format("{}: {}: {}", quoted(c.name), shortest(x), e.what()));
+      }
     }
   }
   if (!any) throw InputError({path, table.header_line}, "no column of a drop: " + one_of(table.header.front(), known));
+}
+
+std::vector<ScatteredDrop> read_drops(const std::string& path, const Scene& scene, const SeaParameters<double>& sea) {
+  const DropNumbers planned = numbers({.scene = scene}, sea);
+  std::vector<DropNumbers> rows;
+  std::vector<ReadColumn> read;
+  for (const DropColumn& c : columns()) {
+    const std::string absent = std::isfinite(c.of(planned)) ? ""
+                               : c.constant                 ? "the actuator has none"
+                                                            : "the scene has no [floor]";
+    read.push_back({c.name, absent, [&rows, &c](std::size_t row, double x) {
+                      if (!c.range.holds(x)) throw InputError("must be " + c.range.rule);
+                      c.of(rows[row]) = x * c.unit;
+                    }});
+  }
+  read_drop_rows(path, read, [&](std::size_t n) { rows.assign(n, planned); });
   std::vector<ScatteredDrop> out;
   for (const DropNumbers& n : rows) out.push_back(drop_of(n, scene, sea));
   return out;

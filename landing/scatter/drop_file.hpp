@@ -1,6 +1,7 @@
 // Tables of drops, one per row: measured ones, or the worst of those that were drawn.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,17 @@ struct DropColumn {
 /// The columns in which a drop differs from the scene and the actuator: enough to read the drops back.
 std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, const Scene& scene,
                                           const SeaParameters<double>& sea);
+
+/// A column that a table of drops may have.
+struct ReadColumn {
+  std::string name;
+  std::string absent;                                  ///< why the scene has no such number; empty: it has one
+  std::function<void(std::size_t row, double x)> set;  ///< throws InputError "..." for a value that is not allowed
+};
+/// Calls `begin` with the number of rows, then the setters of the columns in their order. Columns of other names are
+/// ignored, but at least one must be of these names. Throws InputError with file:line:column.
+void read_drop_rows(const std::string& path, const std::vector<ReadColumn>& columns,
+                    const std::function<void(std::size_t rows)>& begin);
 
 /// Reads drops. A number without a column is the scene's or the actuator's; columns of other names are ignored, but at
 /// least one must be of these names. Throws InputError with file:line:column.

@@ -322,3 +322,21 @@ TEST_CASE("calibrate of a robot of links refuses what it cannot") {
   check_refused(f, Arguments{"calibrate", "none.csv", "--scene", kHopper} + kOut,
                 {"none.csv:1: ", "acc, ax, ay, x_slider", "phi_knee"});
 }
+
+TEST_CASE("calibrate --errors takes what a nuisance term would be in each drop, and a log that ends early has no inf") {
+  const Folder f;
+  const auto std_of = [&](const Arguments& errors) {
+    done(f, kAll + Arguments{"--free", "stiffness,damping_normal", "--no-report", "-o", "out"} + errors);
+    return summary(f)["parameters"]["stiffness"]["std"].get<double>();
+  };
+  const double exact = std_of({}), one = std_of({"--errors", "height_offset=0.01"}),
+               three = std_of({"--errors", "height_offset=0.03"});
+  CHECK(one > 1.01 * exact);
+  CHECK(three * three - exact * exact == Approx(9 * (one * one - exact * exact)).epsilon(1e-3));
+  CHECK(summary(f)["error_budget"]["stiffness"].contains("height_offset"));
+  check_refused(f, kAll + Arguments{"--nuisance", "height_offset", "--errors", "height_offset=0.01"} + kOut,
+                {"--errors: height_offset: ", "is fitted"});
+  f.write("cut.csv", "t,acc\n0,0\n0.05,0\n0.1,0\n");
+  const Arguments hopper = {"calibrate", "cut.csv", "--scene", dataset("scenes/hopper.toml"), "-o", "out"};
+  check_refused(f, hopper, {"cut.csv: the log ends at 0.1 s, before the first touchdown: is the drop's height right"});
+}

@@ -326,6 +326,26 @@ TEST_CASE("a landing from another height, of a robot alone, with the drives behi
   CHECK(summary(f, "plan")["peak_acceleration"].get<double>() > 0);
 }
 
+TEST_CASE("a scene that does not say which robot falls, and tables in the wrong one of its two files") {
+  const Folder f;
+  f.write("leg.toml", read(dataset("robots/hopper.toml")));
+  const std::string scene = replaced(read(kHopper), "\"../robots/hopper.toml", "\"leg.toml");
+  const auto refused = [&](const std::string& text, const std::vector<std::string>& words) {
+    f.write("scene.toml", text);
+    for (const char* verb : {"simulate", "optimize", "risk"}) check_refused(f, {verb, "scene.toml"}, words);
+  };
+  const std::string says = "robot = \"FILE\" above all tables";
+  refused(replaced(scene, "robot =", "robt ="), {"scene.toml: ", "[robot] is missing (there is [robt])", says});
+  refused(replaced(scene, "robot = \"leg.toml\"", "") + "robot = \"leg.toml\"\n", {"[robot] is missing", says});
+  refused(replaced(scene, "robot = \"leg.toml\"", "[robot]\nfile = \"leg.toml\""), {"--actuator is required", says});
+  for (const char* table : {"stop.knee", "command.knee", "sensor", "identified"})
+    refused(scene + "\n[" + table + "]\nx = 1\n", {"scene.toml:", "it belongs into the robot's file", "leg.toml"});
+  for (const char* table : {"joint.knee", "drop", "floor", "release", "execution", "search.knee"}) {
+    f.write("leg.toml", read(dataset("robots/hopper.toml")) + "\n[" + table + "]\nx = 1\n");
+    refused(scene, {"leg.toml:", "it belongs into the scene's file", "scene.toml"});
+  }
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
   const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";
@@ -335,6 +355,19 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
                 {"scatter: forward_speed", "this base"});
   check_refused(f, {"optimize", kHopper, "--release-phi", "2"}, {"--release-phi", "[release.JOINT]"});
   check_refused(f, {"optimize", kHopper, "--release-from", "0.1"}, {"--release-from: ", "[release]"});
+  const std::string slips = replaced(read(kHopper), "\"../robots/hopper.toml", "\"" + dataset("robots/hopper.toml")) +
+                            "\n[release]\nhip.phi_deg = 35\nknee.phi_deg = -70\nfrom = ";
+  f.write("slips.toml", slips + "0.1\n"), f.write("late.toml", slips + "0.3\n");
+  for (const Arguments& plan : {Arguments{"optimize"},
+                                {"trade", "--vary", "drop.height=0.2:0.3"},
+                                {"map", "--vary", "phi_i_knee"},
+                                {"simulate"}}) {
+    check_refused(f, plan + Arguments{"late.toml"},
+                  {"late.toml: release.from: 0.3 s: ", "before the first touchdown, at 0.24"});
+    if (plan[0] != "simulate")
+      check_refused(f, plan + Arguments{"slips.toml", "--release-from", "0.25"},
+                    {"--release-from: 0.25 s: ", "before the first touchdown, at 0.24"});
+  }
   const std::string foot = read(dataset("robots/foot.toml"));  // here with a third drive
   f.write("leg.toml", foot.substr(0, foot.find("[drive.hip]")) +
                           "[drive.hip]\nfile = \"table2.toml\"\n[drive.knee]\nfile = \"table2.toml\"\n"
@@ -345,7 +378,7 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
   check_refused(f, {"optimize", "scene.toml", "--bumps", "4", "--landing-gains", "0.5:2"},
                 {"25 variables for 3 driven joints", "at most 20"});
   check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
-  check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv:1"}, {"--drop-from: ", can});
+  check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv"}, {"--drop-from: 'x.csv': FILE:ROW is needed"});
   check_refused(f, {"risk", kHopper, "--forbid", "kne"}, {"--forbid: 'kne'", "did you mean"});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
   check_refused(f, {"risk", kPaper, "--hold", "-45"}, {"--actuator is required"});
@@ -395,4 +428,44 @@ TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, 
   warned({"calibrate", dataset("drops/drop_1.csv"), "--scene", paper, "--actuator", kTable2, "--motion",
           dataset("drops/hold.toml"), "--free", "stiffness", "--validate", dataset("drops/drop_1.csv")},
          "is fitted too: what it shows is no validation");
+}
+
+TEST_CASE("risk of a robot of links writes its worst drops, and simulate replays a row to its peak") {
+  const Folder f;
+  const auto rows = [&](const std::string& path) {
+    std::istringstream in(read(f.at(path)));
+    std::vector<std::string> out;
+    for (std::string line; std::getline(in, line);)
+      if (!line.empty() && line[0] != '#') out.push_back(line);
+    return out;
+  };
+  const auto replayed = [&](const std::string& scene, const Arguments& more, const std::string& header) {
+    const Arguments all = Arguments{scene} + more;
+    done(f, Arguments{"risk"} + all +
+                Arguments{"--samples", "200", "--no-report", "-o", "risk", "--inexact", "--scatter",
+                          "pitch_deg=2,height=0.02,friction=10%,stiffness=5%,phi_deg=1,rate_deg=5,delay=0.001"});
+    const std::vector<std::string> table = rows("risk/risk.csv");
+    REQUIRE(table.size() == 101);
+    CHECK_THAT(table[0], Contains("row,peak,") && Contains(header) && !Contains("*") && !Contains("length"));
+    double last = summary(f, "risk")["peak"]["max"];
+    for (const int row : {1, 20, 100}) {
+      const double peak = std::stod(table[std::size_t(row)].substr(table[std::size_t(row)].find(',') + 1));
+      CHECK(peak <= last);
+      last = peak;
+      done(f, Arguments{"simulate"} + all +
+                  Arguments{"--drop-from", "risk/risk.csv:" + std::to_string(row), "--no-report", "-o", "row"});
+      CHECK(summary(f, "row")["peak_acceleration"].get<double>() == Approx(peak).epsilon(1e-3));
+    }
+  };
+  replayed(kFoot, {}, "robot.contact.heel.friction");
+  f.write("far.csv", "height,robot.contact.heel.friction\n0.2,0.5\n-1,0.5\n");
+  check_refused(f, {"simulate", kFoot, "--drop-from", "far.csv:3", "-o", "out"},
+                {"far.csv:3:1: 'height': -1: ", "at least 0"});
+  f.write("far.csv", "height,robot.contact.heel.fricton\n0.2,0.5\n");
+  check_refused(f, {"simulate", kFoot, "--drop-from", "far.csv:1", "-o", "out"}, {"far.csv:1:8: ", "friction"});
+  f.write("far.csv", "height\n0.2\n");
+  check_refused(f, {"simulate", kFoot, "--drop-from", "far.csv:2", "-o", "out"}, {"the file has 1 row(s)"});
+  done(f, {"simulate", kFoot, "--drop-from", "far.csv:1", "--no-report", "-o", "row"});
+  done(f, {"simulate", kFoot, "--height", "0.2", "--no-report", "-o", "height"});
+  CHECK(summary(f, "row")["peak_acceleration"] == summary(f, "height")["peak_acceleration"]);
 }

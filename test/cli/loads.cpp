@@ -241,7 +241,7 @@ TEST_CASE("trade --pareto shows what one load costs in another") {
       interrupted_after(0.2, {"trade", "scene.toml", "--pareto", "peak,knee", "-o", "early"}, f.at(""));
   CHECK(early.code == 130);
   CHECK(summary(f, "early")["points"].empty());
-  check_refused(f, {"trade", "scene.toml", "--pareto", "peak,nee"}, {"front: 'nee'", "knee"});
+  check_refused(f, {"trade", "scene.toml", "--pareto", "peak,nee"}, {"--pareto: 'nee'", "knee"});
   check_refused(f, {"trade", "scene.toml", "--pareto", "knee"}, {"--pareto: 'knee': A,B"});
 }
 
@@ -394,4 +394,111 @@ TEST_CASE("compare of a scene with loads plans for them with either set, and tel
   for (const Json& l : loads) largest = std::max(largest, l["ratio"].get<double>());
   CHECK(s["peaks"]["nominal_motion"]["identified"].get<double>() == Approx(largest).epsilon(1e-9));
   CHECK(s["plans"].size() == 2);
+}
+
+TEST_CASE(
+    "a report's first screen says in which share of the drops the limits hold, and has no tick where some break") {
+  const Folder f;
+  const auto screen = [&](const std::string& folder) {
+    const std::string page = read(f.at(folder + "/report.html"));
+    const std::size_t from = page.find("<section class=\"answer\">");
+    REQUIRE(from != std::string::npos);
+    return page.substr(from, page.find("</section>", from) - from);
+  };
+  const auto words = [](double kept, const std::string& drops) {
+    return fmt::format("keeps its limits under scatter: {}</b> — limits hold in {:.2f} % of {}",
+                       kept == 1 ? "yes" : "no", 100 * kept, drops);
+  };
+  const auto risk = [&](Arguments arguments) {
+    done(f, Arguments{"risk"} + arguments + Arguments{"--samples", "256", "-o", "risk"});
+    const Json s = summary(f, "risk");
+    const double kept = s["share_kept"];
+    CHECK_THAT(screen("risk"), Contains(words(kept, "256 drops")));
+    return kept;
+  };
+  write_scene(f, replaced(kFoot, "150", "350\nlimit = true"));
+  const Arguments falls = {"--scatter", "height=0.2"};
+  const double some = risk(Arguments{"scene.toml"} + falls);
+  CHECK((some > 0 && some < 1));
+  CHECK(risk({"scene.toml", "--scatter", "height=0.001"}) == 1);
+  done(f, Arguments{"optimize", "scene.toml", "--evaluations", "60", "-o", "plan"} + falls);
+  const double broken = summary(f, "plan")["scatter"]["broken"];
+  CHECK(broken > 0);
+  CHECK_THAT(screen("plan"), Contains(words(1 - broken / 2048, "2048 fresh drops")) &&
+                                 Contains("keeps its limits in its own drop: yes"));
+  // The paper's robot: forbidden points, stops, ratings.
+  f.write("motion.toml", "[motion]\nphi_i_deg = -24.4\nphi_f_deg = -85\nduration = 0.261\n");
+  const Arguments motion = {"--actuator", kTable2, "--motion", "motion.toml"},
+                  paper = Arguments{dataset("scenes/paper.toml")} + motion;
+  CHECK(risk(paper + Arguments{"--forbid", "foot"}) == 0);
+  const double hip = risk(paper + Arguments{"--forbid", "hip"});
+  CHECK((hip > 0.9 && hip < 1));
+  CHECK(hip == 1 - summary(f, "risk")["forbidden"]["hip"]["share"].get<double>());
+  CHECK_THAT(screen("risk"), Contains("within ratings: no</b> — the motor turns faster than 3.14 rad/s in 100.0 %"));
+  f.write("stops.toml", read(dataset("scenes/paper.toml")) + "\n[joint]\nphi_deg = [-103, 30]\n");
+  const Arguments stops = Arguments{"stops.toml"} + motion;
+  const double within = risk(stops);
+  CHECK((within > 0 && within < 1));
+  CHECK(within == 1 - summary(f, "risk")["ratings"]["joint"]["share"].get<double>());
+  const double both = risk(stops + Arguments{"--forbid", "hip"});
+  CHECK((both <= std::min(within, hip) && both >= within + hip - 1));
+}
+
+TEST_CASE(
+    "optimize of a robot of links says how its plan does under the scatter that is assumed, as the paper's does") {
+  const Folder f;
+  const std::string says = "under scatter (pitch_deg=1,height=0.01,forward_speed=0.03; assumed; ";
+  const Arguments few = {"--evaluations", "100", "--no-report", "-o", "out"};
+  CHECK_THAT(done(f, Arguments{"optimize", dataset("scenes/paper.toml"), "--actuator", kTable2} + few).out,
+             Contains(says + "4096 fresh drops): mean "));
+  CHECK_THAT(done(f, Arguments{"optimize", dataset("scenes/three_links.toml")} + few).out,
+             Contains(says + "2048 fresh drops): mean "));
+  CHECK(summary(f)["scatter"]["assumed"] == true);
+  CHECK_THAT(done(f, Arguments{"optimize", dataset("scenes/hopper.toml")} + few).out,
+             Contains("under scatter (height=0.01; assumed; "));
+}
+
+TEST_CASE("the tolerant peak has one name for both kinds of robot, and what else is minimised is `value`") {
+  const Folder f;
+  const Arguments few = {"--evaluations", "100", "--no-report", "-o", "out"};
+  done(f, Arguments{"optimize", dataset("scenes/hopper.toml"), "--objective", "tolerant"} + few);
+  const Json s = summary(f);
+  CHECK(s["tolerant_peak"] == s["value"]);
+  CHECK(s["hold"]["tolerant_peak"] == s["hold"]["value"]);
+  CHECK(s["tolerant_peak"].get<double>() >= s["peak_acceleration"].get<double>());
+  done(f, Arguments{"optimize", dataset("scenes/hopper.toml")} + few);
+  CHECK_FALSE(summary(f).contains("value"));
+}
+
+TEST_CASE("a map of landings that break a limit does not say that they could not be followed") {
+  const Folder f;
+  write_scene(f, replaced(kNoTouch, "slider\"\n", "foot\"\n"));
+  const Result all = run({"map", "scene.toml", "--vary", "phi_i_knee:4", "-o", "out"}, f.at(""));
+  CHECK(all.code == 1);
+  CHECK_THAT(all.err,
+             Contains("4 of 4 landings break a limit") && Contains("no landing of the grid keeps every limit"));
+  CHECK(all.err.find("followed") == std::string::npos);
+  CHECK(summary(f)["failed"] == 0);
+}
+
+TEST_CASE("messages of ratings, --pareto and compare name the option that was given") {
+  const Folder f;
+  write_scene(f, kKnee + kNoTouch);
+  const auto refused = [&](const Arguments& arguments, const std::vector<std::string>& words) {
+    check_refused(f, arguments + kOut, words);
+  };
+  for (const char* range : {"3:1:3", "1:3:1", "a:1:3", "0:1:3", "1:3"}) {
+    refused({"ratings", "scene.toml", "--motor-speed", range}, {"ukemi: --motor-speed: "});
+    refused({"ratings", "scene.toml", "--motor-speed", "1:3:3", "--motor-torque", range}, {"ukemi: --motor-torque: "});
+  }
+  for (const char* front : {"x,knee", "peak,x", "peak,hull", "peak,peak", "peak,knee:1", "peak,knee:x", "peak"})
+    refused({"trade", "scene.toml", "--pareto", front}, {"ukemi: --pareto: "});
+  refused({"trade", "scene.toml", "--pareto", "peak,knee:x"}, {"N of designs from 2 to 1000"});
+  for (const char* verb : {"trade", "atlas"}) {
+    CHECK(run({verb, "--help"}, f.at("")).out.find("--drops") == std::string::npos);
+    refused({verb, "scene.toml", "--drops", "x.csv"}, {"--drops"});
+  }
+  const Arguments same = {"--identified", kTable2};
+  refused(Arguments{"compare", "--nominal", "knee=" + kTable2} + same, {"--nominal: knee=", "whose --scene is needed"});
+  refused({"compare", "--nominal", kTable2, "--identified", "knee=" + kTable2}, {"--identified: knee=", "--scene"});
 }

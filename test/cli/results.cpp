@@ -12,6 +12,7 @@
 #include <random>
 #include <set>
 
+#include "common/files.hpp"
 #include "test/cli/refused.hpp"
 
 using namespace cli;
@@ -105,7 +106,46 @@ TEST_CASE("a run leaves nothing of the earlier one, whatever it writes itself") 
   check_one_run(f);
 }
 
-TEST_CASE("files that are not results, and those of other verbs, stay") {
+TEST_CASE("an earlier run of another verb leaves nothing, but what was changed since or is read") {
+  const Folder f;
+  SECTION("all of it goes") {
+    done(f, kOptimize);
+    done(f, kHold);
+    check_one_run(f);
+  }
+  SECTION("what this run reads stays") {
+    done(f, kOptimize);
+    const std::string motion = read(f.at("out/motion.toml"));
+    done(f, {"simulate", kPaper, "--actuator", kTable2, "--motion", "out/motion.toml", "-o", "out"});
+    CHECK(read(f.at("out/motion.toml")) == motion);
+    CHECK_FALSE(fs::exists(f.at("out/motion.csv")));
+  }
+  SECTION("what was changed since stays") {
+    done(f, kOptimize);
+    f.write("out/motion.toml", read(f.at("out/motion.toml")) + "# mine\n");
+    f.write("out/progress.csv", "mine");
+    done(f, kHold);
+    CHECK_THAT(read(f.at("out/motion.toml")), Contains("# mine"));
+    CHECK(read(f.at("out/progress.csv")) == "mine");
+    CHECK_FALSE(fs::exists(f.at("out/motion.csv")));
+  }
+  SECTION("demo, which is of several runs, killed in its second") {
+    done(f, kOptimize);
+    CHECK(killed({"demo", "-o", "out"}, f, [&] { return fs::exists(f.at("out/identify/summary.json")); }));
+    CHECK(names_in(f.at("out")).count("motion.csv") == 0);
+  }
+  SECTION("a summary that is none, or names files elsewhere") {
+    f.write("mine.csv", "mine");
+    f.write("out/summary.json", "{\"provenance\": {\"wrote ../mine.csv\": \"fnv1a-64 " + ukemi::checksum("mine") +
+                                    "\", \"wrote gone\": 1}}");
+    done(f, kHold);
+    CHECK(read(f.at("mine.csv")) == "mine");
+    f.write("out/summary.json", "mine");
+    done(f, kHold);
+  }
+}
+
+TEST_CASE("files that are not results stay") {
   const Folder f;
   done(f, kHold);
   f.write("out/notes.txt", "mine");
@@ -116,7 +156,7 @@ TEST_CASE("files that are not results, and those of other verbs, stay") {
   CHECK(read(f.at("out/notes.txt")) == "mine");
   CHECK(read(f.at("out/deeper/trajectory.csv")) == "mine");
   CHECK(read(f.at("out/hit_1_mine.csv")) == "mine");
-  CHECK(fs::exists(f.at("out/trajectory.csv")));  // of simulate
+  CHECK_FALSE(fs::exists(f.at("out/trajectory.csv")));  // of simulate
   CHECK(names_in(f.at("out")).count(".ukemi-commit") == 0);
   CHECK(names_in(f.at("")) == std::set<std::string>{"out"});
   const Json listed = summary(f)["files"];

@@ -307,3 +307,26 @@ TEST_CASE("legs: a motor that is clamped at its rating keeps it, whatever roundi
   for (const BodyLanding& l : lanes)
     CHECK((!l.broken || scene.loads[std::size_t(l.broken.load)].kind != Kind::kMotorTorque));
 }
+
+TEST_CASE("legs: a robot that dry friction holds rests beside an angle load near its largest, at every accuracy") {
+  BodyScene scene = shipped("hopper");
+  scene.robot.joints[1].sea.friction = 10;
+  scene.loads = {load(Kind::kAngle, 1, 0.1)};
+  scene.loads[0].phi = {-75 * kDegree, 100 * kDegree};  // it ends far from their middle
+  scene.loads.push_back(scene.loads[0]), scene.loads[1].phi = {-60 * kDegree, 100 * kDegree};
+  const BodyMotion held = held_posture(scene);
+  const BodyLanding tight = simulate(scene, held, {.accuracy = 1e-11});
+  REQUIRE(tight.end == End::kRest);
+  CHECK(tight.loads[1].value > 0);
+  for (const double accuracy : {1e-9, 1e-7, 1e-6, 1e-5}) {
+    INFO("accuracy " << accuracy);
+    const BodyLanding l = simulate(scene, held, {.accuracy = accuracy});
+    CHECK(l.end == End::kRest);
+    CHECK(l.t_end < 2);
+    CHECK(l.loads[1].value == Approx(tight.loads[1].value).epsilon(1e-3));
+    BodyLanding lane;
+    const BodyBatchCase one{&scene, &held};
+    body_batch_peaks({&one, 1}, {&lane, 1}, {.accuracy = accuracy});
+    CHECK(lane.end == End::kRest);
+  }
+}

@@ -316,6 +316,15 @@ TEST_CASE("legs: what looks wrong with how a robot is let go is said, and nothin
       },
       "degrees, not radians");
   said(
+      "hopper",
+      [](BodyScene& s) {
+        set_limit(s, limit(s.robot, Load::Kind::kAngle, 1, 0, {-2.6 * kDegree, -0.1 * kDegree}));
+      },
+      "knee.angle: phi_deg: [-2.6, -0.1]: degrees, not radians");
+  said(
+      "hopper", [](BodyScene& s) { s.robot.rail_direction = 1.5708 * kDegree; },
+      "robot.rail.direction_deg: 1.5708: degrees, not radians");
+  said(
       "foot", [](BodyScene& s) { s.robot.contacts[3].pad->thickness = 10; }, "thickness is in metres");
   said(
       "three_links",

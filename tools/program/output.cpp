@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <ctime>
 #include <filesystem>
+#include <optional>
 
 #include "common/error.hpp"
 #include "common/text.hpp"
@@ -30,6 +31,9 @@ std::vector<std::string> result_names(const Outputs& outputs) {
     for (const char* format : {".svg", ".pdf", ".png"}) names.push_back(figure + format);
   return names;
 }
+
+const std::string kWrote = "wrote ";  ///< keys in the summary's provenance: checksums of the files of its run
+std::string written_value(const std::string& checksum) { return "fnv1a-64 " + checksum; }
 
 /// The folder of the results; default of `ukemi bench scenes`: ukemi-out/bench-scenes.
 std::string folder_of(const std::string& verb, const CommonOptions& options) {
@@ -66,9 +70,33 @@ Run::Run(const Outputs& outputs, const CommonOptions& options)
 
 void Run::note(const ReadFile& file) {
   folder_.refuse_as_input(file);
+  read_.emplace(file.device, file.inode);
   if (checksums_.emplace(file.path, file.checksum).first->second != file.checksum)
     throw InputError({file.path}, "changed while this run read it");
 }
+void Run::adopt_earlier_files() {
+  const auto in_folder = [this](const std::string& name) { return (std::filesystem::path(folder()) / name).string(); };
+  std::optional<ReadFile> file;
+  const ReadWatch watch([&](const ReadFile& read) { file = read; });  // these are no inputs
+  const auto adopted = [&](const std::string& name, const Json& checksum) {
+    if (name.find_first_of("/#") != std::string::npos || folder_.owns(name)) return false;
+    try {
+      (void)read_binary_file(in_folder(name));
+    } catch (const InputError&) {
+      return false;
+    }
+    return checksum == written_value(file->checksum) && read_.count({file->device, file->inode}) == 0;
+  };
+  try {
+    const Json summary = Json::parse(read_binary_file(in_folder(kSummaryFile)));
+    for (const auto& [key, value] : summary.at("provenance").items())
+      if (key.starts_with(kWrote))
+        if (const std::string name = key.substr(kWrote.size()); adopted(name, value)) folder_.adopt({name});
+  } catch (const InputError&) {       // there is no summary
+  } catch (const Json::exception&) {  // it is none of ours
+  }
+}
+
 void Run::input(const std::string& path) {
   if (std::find(inputs_.begin(), inputs_.end(), path) == inputs_.end()) inputs_.push_back(path);
 }
@@ -141,15 +169,17 @@ int Run::finish(Json summary, int exit_code) {
   }
   Json provenance_block;
   for (const auto& [key, value] : provenance()) provenance_block[key] = value;
+  if (options_.report == CommonOptions::Report::kSkip) files_.erase("report.html");
+  for (const auto& [name, content] : files_) provenance_block[kWrote + name] = written_value(checksum(content));
   summary["warnings"] = warnings_;
   summary["time_s"] = seconds();
   summary["provenance"] = provenance_block;
-  if (options_.report == CommonOptions::Report::kSkip) files_.erase("report.html");
   add(kSummaryFile, "");
   for (const auto& [name, content] : files_) summary["files"].push_back(name);
   // A file name that is not UTF-8 is written with replacement characters, never an error.
   const std::string text = summary.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   add(kSummaryFile, text);
+  adopt_earlier_files();
   folder_.replace(files_);
   info("wrote " + options_.folder + "/");
   if (options_.out == CommonOptions::Stdout::kJson) print_raw(text);

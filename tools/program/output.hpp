@@ -6,6 +6,7 @@
 #include <ctime>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,7 +49,7 @@ struct Outputs {
 };
 
 /// One verb's run: collects files, warnings and the summary; at the end they replace the results of an earlier run in
-/// the folder. A file that this run reads is never overwritten.
+/// the folder, also of another verb. A file that this run reads is neither overwritten nor removed.
 class Run {
  public:
   Run(const Outputs& outputs, const CommonOptions& options);
@@ -61,8 +62,8 @@ class Run {
   void input(const std::string& path);
   /// Adds a result file, under one of the names of the verb's Outputs.
   void add(const std::string& name, std::string content);
-  /// Removes the summary until the run finishes: for a run that consists of several runs.
-  void withdraw_summary() const { folder_.withdraw_summary(); }
+  /// Removes the earlier results before the run finishes: for a run that consists of several runs.
+  void withdraw_results() { adopt_earlier_files(), folder_.withdraw(); }
   /// Adds to the summary's warnings and prints to stderr, unless Messages::kNone.
   void warn(const std::string& message);
   void info(const std::string& message) const;  ///< to stderr unless --quiet
@@ -87,6 +88,8 @@ class Run {
 
  private:
   void note(const ReadFile& file);
+  /// Lets the folder give up what an earlier run of another verb wrote, where it still is as that run's summary says.
+  void adopt_earlier_files();
 
   std::string verb_;
   CommonOptions options_;
@@ -94,6 +97,7 @@ class Run {
   ReadWatch watch_;
   std::vector<std::string> inputs_;
   std::map<std::string, std::string> checksums_;  ///< of every file that was read
+  std::set<std::pair<dev_t, ino_t>> read_;        ///< the same files
   std::map<std::string, std::string> files_;
   std::vector<std::string> warnings_;
   std::time_t start_time_;  ///< in the provenance of every file

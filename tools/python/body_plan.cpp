@@ -260,10 +260,7 @@ void bind_body_risk(py::module_& m) {
                           "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its "
                           "rating and their share [1].")
       .def_property_readonly("touches", touches_of,
-                             "Of the contacts that must not touch, by name: the share of drops in which one does [1].")
-      .def_property_readonly(
-          "share", [](const BodyRiskResult& r) { return r.risk.kept(); },
-          "The share of drops in which the motions keep every limit [1].");
+                             "Of the contacts that must not touch, by name: the share of drops in which one does [1].");
   c.def("__repr__", [](const BodyRiskResult& r) {
     return "<ukemi.RobotRisk: " + tools::distribution_words(r.risk.peaks) + " m/s^2>";
   });

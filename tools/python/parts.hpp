@@ -68,8 +68,7 @@ struct Serializer<BodyLanding>
 template <>
 struct Serializer<Risk> : WithBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
-struct Serializer<BodyRisk> : WithBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::broken> {
-};
+struct Serializer<BodyRisk> : WithBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::worst> {};
 template <>
 struct Serializer<landing::Survey>
     : WithBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};

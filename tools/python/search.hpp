@@ -43,6 +43,8 @@ void bind_peak_risk(py::class_<T, Options...>& c, const landing::PeakRisk& (*of)
           "from_floor", [of](const T& x) { return of(x).from_floor; },
           "Drops that would begin below the floor: they begin on it.")
       .def_property_readonly(
+          "share", [of](const T& x) { return of(x).kept(); }, "The share of drops that keep every limit [1].")
+      .def_property_readonly(
           "histogram",
           [of](const T& x) {
             std::vector<double> edges, drops;

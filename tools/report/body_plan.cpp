@@ -46,6 +46,10 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
     out.push_back({"", "value", goal + unit, peak_words, [](auto& p) { return p.value; }});
     out.push_back({"", "hold/value", "the same, held" + unit, peak_words, [](auto& p) { return p.held_value; }});
   }
+  if (goal == goal_words(Goal::kTolerant, {})) {
+    out.push_back({"", "tolerant_peak", [](auto& p) { return p.value; }});
+    out.push_back({"", "hold/tolerant_peak", [](auto& p) { return p.held_value; }});
+  }
   for (std::size_t i = 0; i < robot.joints.size(); ++i)
     if (robot.joints[i].driven())
       out.push_back({"", "hold/phi_deg/" + robot.joints[i].name, [i](auto& p) { return p.hold[i].phi_i * kDegrees; }});
@@ -80,22 +84,13 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
-/// Whether the requested share of fresh drops keeps the limits; kCaution within three standard errors of it.
+/// Whether the share of fresh drops that was asked for, or all, keep the limits.
 Check share_check(const BodyPlan& p, const BodyPlanOptions& options) {
-  const double requested = *options.share;
-  Check out{Check::State::kUnknown, "keeps its limits under scatter",
-            "the share that keeps the limits is not judged on fresh drops"};
-  if (options.deadline) out.words += ": the deadline left no time";
-  if (const std::optional<double> kept = kept_share(p)) {
-    const long drops = p.under->planned.samples;
-    const double margin = 3 * std::sqrt(requested * (1 - requested) / double(drops));
-    out.state = *kept >= requested            ? Check::State::kGood
-                : *kept >= requested - margin ? Check::State::kCaution
-                                              : Check::State::kBad;
-    out.words = fmt::format("limits hold in {:.2f} % of {} fresh drops", 100 * *kept, drops);
-  }
-  out.words += fmt::format("; asked {:g} %", 100 * requested);
-  return out;
+  if (const std::optional<double> kept = kept_share(p))
+    return keeps_limits_check(*kept, p.under->planned.samples, "fresh drops", options.share);
+  return {Check::State::kUnknown, "keeps its limits under scatter",
+          fmt::format("the share that keeps the limits is not judged on fresh drops{}; asked {:g} %",
+                      options.deadline ? ": the deadline left no time" : "", 100 * *options.share)};
 }
 
 /// Reports in how many fresh drops each load exceeds its rating.
@@ -126,7 +121,7 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
                                 logged.size(), median(logged), *std::max_element(logged.begin(), logged.end()));
   if (scene.limited())
     out.checks.push_back(
-        check(!p.landing.broken, "keeps its limits", p.held_keeps_limits ? "" : "holding breaks them"));
+        check(!p.landing.broken, "keeps its limits in its own drop", p.held_keeps_limits ? "" : "holding breaks them"));
   const bool inside = std::all_of(p.edges.begin(), p.edges.end(), [](auto e) { return e == 0; });
   out.checks.push_back({inside ? Check::State::kGood : Check::State::kCaution, "inside the search range",
                         inside ? "" : "on an edge: beyond it may be better"});
@@ -139,7 +134,7 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
     if (options.measure) out.sentence += promised_words(options.measure->name(), p.value);
     out.checks.push_back({Check::State::kUnknown, "holds under scatter", "not played"});
   }
-  if (options.share) out.checks.push_back(share_check(p, options));
+  if (options.share || (p.under && scene.limited())) out.checks.push_back(share_check(p, options));
   out.next = "`ukemi risk` with --motion motion.toml plays it over many drops.";
   return out;
 }
@@ -205,11 +200,10 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
                   .point = contact_name(robot),
                   .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
                   .load = {},
-                  .kept = {}};
-  if (scene.limited()) texts.kept = risk.kept();
+                  .limited = scene.limited()};
   if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
   return report(
-      risk, texts, [] { return std::string(); }, run);
+      risk, texts, [&] { return worst_csv(scene, risk, run); }, run);
 }
 
 namespace {

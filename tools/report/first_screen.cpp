@@ -100,6 +100,16 @@ Check under_scatter_check(double planned, double held, bool rated) {
                fmt::format("worst tenth of drops {}, holding still {:.4g}", goal_text(planned, rated), held));
 }
 
+Check keeps_limits_check(double kept, long drops, const std::string& which, const std::optional<double>& asked) {
+  const double share = asked.value_or(1), margin = 3 * std::sqrt(share * (1 - share) / double(drops));
+  return {kept >= share            ? State::kGood
+          : kept >= share - margin ? State::kCaution
+                                   : State::kBad,
+          "keeps its limits under scatter",
+          fmt::format("limits hold in {:.2f} % of {} {}{}", 100 * kept, drops, which,
+                      asked ? fmt::format("; asked {:g} %", 100 * *asked) : "")};
+}
+
 std::string promised_words(const std::string& measure, double value) {
   return fmt::format(" Over the drops that it is planned for {:.4g} ({}).", value, measure);
 }
@@ -116,6 +126,9 @@ FirstScreen first_screen(const landing::Answer& a) {
     out.sentence += fmt::format(" In the worst tenth of drops {:.4g}.", u.planned.cvar90.value);
     out.checks.push_back(
         under_scatter_check(u.planned.cvar90.value, std::min(u.held.cvar90.value, u.posture.cvar90.value)));
+    if (const long drops = u.planned.samples; a.options.search.limits.any())
+      out.checks.push_back(keeps_limits_check(1 - double(u.broken) / double(drops), drops,
+                                              a.scatter ? "fresh drops" : "measured drops"));
   } else {
     if (a.scattered) out.sentence += promised_words(a.options.robust.measure->name(), a.best.value);
     out.checks.push_back({State::kUnknown, "holds under scatter", "not played"});

@@ -49,6 +49,9 @@ const char* goal_name(bool rated);  ///< "largest load", "peak"
 const char* goal_unit(bool rated);
 /// Mean of the worst tenth of drops of the plan and of the held posture.
 Check under_scatter_check(double planned, double held, bool rated = false);
+/// Whether the limits hold in the share of `drops` that was asked for, absent: in all; kCaution within three standard
+/// errors of it. `which`: "fresh drops".
+Check keeps_limits_check(double kept, long drops, const std::string& which, const std::optional<double>& asked = {});
 /// " Over the drops that it is planned for 135 (mean)."
 std::string promised_words(const std::string& measure, double value);
 /// First screen of a plan of the two-link robot.

@@ -99,7 +99,11 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
                          s.lost, points));
   if (s.broken > 0) run.warn(fmt::format("{} of {} landings break a limit: they are left out", s.broken, points));
   if (s.missing > 0) run.warn(fmt::format("{} of {} landings were not played any more", s.missing, points));
-  if (!basins && s.missing == 0) run.warn("no landing of the grid could be followed to the floor: no basin was found");
+  if (!basins && s.missing == 0)
+    run.warn(fmt::format("no landing of the grid {}: no basin was found",
+                         s.broken == 0                    ? "could be followed to the floor"
+                         : std::size_t(s.broken) < points ? "that could be followed to the floor keeps every limit"
+                                                          : "keeps every limit"));
 }
 
 }  // namespace

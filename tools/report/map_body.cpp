@@ -47,7 +47,7 @@ int report(const BodySurvey& s, Run& run) {
                  .basins = Table(basin_quantities(robot, like, of_loads), s.basins),
                  .basins_comment =
                      "tolerant_peak: the worst within the execution tolerance; empty: one of its drops could not be "
-                     "followed.",
+                     "followed, or breaks a limit.",
                  .basins_words =
                      "Searched from the grid's local minima over all variables, those that stand on the grid included; "
                      "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json.",

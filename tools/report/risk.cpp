@@ -1,12 +1,15 @@
 #include "tools/report/risk.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "landing/judge/answer.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_drop_file.hpp"
+#include "landing/plan/body_risk.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
@@ -96,20 +99,24 @@ Quantities<PeakRisk::Uncertainty> index_quantities() {
   return out;
 }
 
+template <class Drop>
 struct NumberedDrop {
   long row;
-  RiskyDrop of;
+  const Drop& of;
 };
-Table worst_drops(const RiskStudy& s) {
-  std::vector<NumberedDrop> rows;
-  std::vector<ScatteredDrop> drops;
-  for (const RiskyDrop& d : s.risk.worst) rows.push_back({long(rows.size()) + 1, d}), drops.push_back(d.drop);
-  Quantities<NumberedDrop> columns = {{"row", &NumberedDrop::row}, {"peak", [](auto& d) { return d.of.peak; }}};
-  for (const DropColumn& c : scattered_columns(drops, s.scene, s.actuator.sea))
-    columns.push_back({c.name, "", [c, sea = s.actuator.sea](const NumberedDrop& d) {
-                         return c.of(numbers(d.of.drop, sea)) / c.unit;
-                       }});
-  return Table(columns, rows);
+/// risk.csv of the worst drops; `columns`: of their numbers by name.
+template <class Drop, class Columns>
+std::string worst_csv(const std::vector<Drop>& worst, const Columns& columns, const Run& run) {
+  using Row = NumberedDrop<Drop>;
+  std::vector<Row> rows;
+  for (const Drop& d : worst) rows.push_back({long(rows.size()) + 1, d});
+  Quantities<Row> quantities = {{"row", &Row::row}, {"peak", [](auto& d) { return d.of.peak; }}};
+  for (const auto& c : columns)
+    quantities.push_back({c.name, "", [get = c.get](const Row& d) { return get(d.of.drop); }});
+  return Table(quantities, rows)
+      .csv(run,
+           "The worst drops, the worst first: `ukemi simulate --drop-from` replays a row. peak [m/s^2]; what does not "
+           "stand here is as planned.");
 }
 
 Quantities<PeakBin> bin_quantities() {
@@ -200,6 +207,21 @@ void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
                          r.peaks.cvar90.value, goal_text(r.held.cvar90.value, t.rated)));
 }
 
+/// The motors' speeds and torques over the drops.
+Check within_ratings(const PeakRisk& r, const RiskTexts& t) {
+  using Kind = RiskEvent::Kind;
+  Check out{Check::State::kUnknown, "within ratings", "ratings unknown"};
+  std::vector<std::string> beyond;
+  for (const RiskEvent& e : r.events) {
+    if (e.kind != Kind::kSpeed && e.kind != Kind::kTorque) continue;
+    const Share share = share_of(e, t, r.peaks.samples);
+    if (e.drops > 0) beyond.push_back(fmt::format("{} in {} of the drops", share.words, percent_words(share.share())));
+    out =
+        check(beyond.empty(), out.what, beyond.empty() ? "in every drop" : fmt::format("{}", fmt::join(beyond, "; ")));
+  }
+  return out;
+}
+
 FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
   FirstScreen out{.sentence =
                       held_comparison(r, t.rated) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
@@ -207,13 +229,21 @@ FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
                 check(r.failed == 0, "every drop was followed",
                       fmt::format("{} of {}", r.peaks.samples, r.peaks.samples + r.failed)),
                 check(r.lost == 0, "the drive keeps the joint", fmt::format("lost in {} drops", r.lost)),
+                within_ratings(r, t),
                 {t.assumed ? Check::State::kCaution : Check::State::kGood, "the scatter is given",
                  t.assumed ? "it is assumed: --scatter says it" : ""}};
+  if (t.limited) out.checks.push_back(keeps_limits_check(r.kept(), r.peaks.samples, "drops"));
   out.next = "`ukemi optimize --robust cvar` plans for the worst tenth.";
   return out;
 }
 
 }  // namespace
+
+std::string worst_csv(const BodyScene& scene, const BodyRisk& risk, const Run& run) {
+  std::vector<BodyDrop> drops;
+  for (const BodyRisk::Drop& d : risk.worst) drops.push_back(d.drop);
+  return worst_csv(risk.worst, scattered_columns(drops, scene), run);
+}
 
 std::string drops_words(const Scatter& scatter, bool assumed, const std::string& whose, bool uncertain, double inflate,
                         bool inexact) {
@@ -256,7 +286,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
                   {"held_joint_lost", r.held_lost},
                   {"from_floor", r.from_floor},
                   {"motion", t.of_motion}};
-  if (t.kept) summary["share_kept"] = number(*t.kept);
+  if (t.limited) summary["share_kept"] = number(r.kept());
   if (r.peaks.samples == 0) {
     run.warn("no drop could be followed to the floor: there is no distribution");
     return run.finish(summary, kNumbers);
@@ -268,8 +298,8 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   add_table(peaks, page, run);
   for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
     run.say(sentence), page.paragraph(sentence);
-  if (t.kept) {
-    const std::string sentence = fmt::format("All limits hold in {:.2f} % of the drops.", 100 * *t.kept);
+  if (t.limited) {
+    const std::string sentence = fmt::format("All limits hold in {:.2f} % of the drops.", 100 * r.kept());
     run.say(sentence), page.paragraph(sentence);
   }
   Figure peak_figure = histogram_figure(r.histogram, "motion", r.peaks, t.held, r.held.samples, what);
@@ -302,11 +332,22 @@ int report(const RiskStudy& s, Run& run) {
                         .held = held_words(),
                         .scatter = s.scatter,
                         .assumed = s.assumed,
-                        .of_motion = motion_json(s.motion)};
+                        .of_motion = motion_json(s.motion),
+                        .limited = std::any_of(s.risk.events.begin(), s.risk.events.end(), [](const RiskEvent& e) {
+                          return e.kind == RiskEvent::Kind::kTouch || e.kind == RiskEvent::Kind::kStops;
+                        })};
   const auto worst = [&] {
-    return worst_drops(s).csv(run,
-                              "The worst drops, the worst first: `ukemi simulate --drop-from` replays a row. peak "
-                              "[m/s^2]; what does not stand here is as planned.");
+    std::vector<ScatteredDrop> drops;
+    for (const RiskyDrop& d : s.risk.worst) drops.push_back(d.drop);
+    struct Column {
+      std::string name;
+      std::function<double(const ScatteredDrop&)> get;
+    };
+    std::vector<Column> columns;
+    for (const DropColumn& c : scattered_columns(drops, s.scene, s.actuator.sea))
+      columns.push_back(
+          {c.name, [c, sea = s.actuator.sea](const ScatteredDrop& d) { return c.of(numbers(d, sea)) / c.unit; }});
+    return worst_csv(s.risk.worst, columns, run);
   };
   return report(s.risk, texts, worst, run);
 }

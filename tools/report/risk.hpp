@@ -9,6 +9,10 @@
 #include "landing/judge/risk.hpp"
 #include "tools/report/landing.hpp"
 
+namespace ukemi::landing {
+struct BodyRisk;
+}
+
 namespace ukemi::tools {
 
 struct RiskStudy {
@@ -34,11 +38,13 @@ struct RiskTexts {
   PointName point = point_name;
   std::function<std::string(int)> joint = {};   ///< names of joints of a robot of links
   std::function<landing::Load(int)> load = {};  ///< loads of a robot of links
-  std::optional<double> kept = {};              ///< share of drops that keep all limits; absent: none
+  bool limited = false;                         ///< there are limits: PeakRisk::kept
 };
 /// How the drops scatter, in sentences; `whose` constants scatter if `uncertain`, by `inflate` times their errors.
 std::string drops_words(const landing::Scatter& scatter, bool assumed, const std::string& whose, bool uncertain,
                         double inflate, bool inexact);
+/// The text of risk.csv of a robot of links.
+std::string worst_csv(const landing::BodyScene& scene, const landing::BodyRisk& risk, const Run& run);
 /// Reports and writes a risk. Returns the exit code. `worst`: the text of risk.csv, empty: none.
 int report(const landing::PeakRisk& risk, const RiskTexts& texts, const std::function<std::string()>& worst, Run& run);
 

@@ -144,7 +144,7 @@ identify::ResidualTests test_floor(const DropSimulator& simulator, const Calibra
   return out;
 }
 
-/// The effect of errors of constants that were not fitted on the fitted ones. `sigma` as in the fit.
+/// The effect of errors of terms that were not fitted on the fitted ones. `sigma` as in the fit.
 std::vector<identify::Considered> considered_of(const DropSimulator& simulator, const CalibrationOptions& options,
                                                 const std::vector<double>& sigma, const FloorFit& c) {
   UnfittedTerms unfitted(simulator, options, sigma, c);
@@ -155,11 +155,16 @@ std::vector<identify::Considered> considered_of(const DropSimulator& simulator, 
   std::vector<identify::Considered> out;
   if (!s) return out;
   const identify::ScaledSolver solve(s->information);
-  const Eigen::MatrixXd gram = s->gram();
-  int column = s->parameters();
-  for (const auto& [name, std] : errors)
-    out.push_back(
-        identify::considered(*s, solve, name, std, std * gram.block(0, column++, s->parameters(), 1), c.fitted.size()));
+  const int free = s->parameters();
+  int shared = free, own = free + int(s->shared.size());  // columns of the next terms
+  for (const auto& [name, std] : errors) {
+    const bool each = options.terms[name].scope == identify::Scope::kEach;
+    const int column = each ? own++ : shared++;
+    Eigen::MatrixXd effect = Eigen::MatrixXd::Zero(free, each ? s->trials() : 1);
+    for (std::size_t p = 0; p < s->parts.size(); ++p)
+      effect.col(each ? long(p) / s->parts_per_trial : 0) += std * s->parts[p].block(0, column, free, 1);
+    out.push_back(identify::considered(*s, solve, name, std, effect, c.fitted.size()));
+  }
   return out;
 }
 
@@ -214,7 +219,7 @@ void CalibrationOptions::validate() const {
       throw InputError("--errors: " + name + ": given twice");
     for (const auto* list : {&terms.free, &terms.nuisance})
       for (const std::string& fitted : *list)
-        if (terms[name].moves_same_number(terms[fitted]))
+        if (name == fitted || terms[name].moves_same_number(terms[fitted]))
           throw InputError(fmt::format("--errors: {}: {} is fitted: --prior says what is known of it", name, fitted));
   }
   for (const std::string& constant : profiles)
@@ -252,9 +257,10 @@ void check_logs(const DropSimulator& drops) {
     for (std::size_t o = 0; o < log.output.size(); ++o) measured += log.count(o);
     if (measured == 0) throw InputError({log.file}, "no measured value of " + names_of(drops.channels()));
     if (const double touchdown = drops.first_touchdown(m); !(log.t.back() > touchdown))
-      throw InputError({log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown at {:.4g} s: is "
-                                               "the drop's height right, is t = 0 the release?",
-                                               log.t.back(), touchdown));
+      throw InputError({log.file}, fmt::format("the log ends at {:.4g} s, before the first touchdown{}: is the drop's "
+                                               "height right, is t = 0 the release?",
+                                               log.t.back(),
+                                               std::isfinite(touchdown) ? fmt::format(" at {:.4g} s", touchdown) : ""));
   }
 }
 

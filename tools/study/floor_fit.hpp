@@ -39,7 +39,7 @@ struct CalibrationOptions {
     kGrow,   ///< drops are fitted up to growing horizons, see DropSimulator::horizons
     kWhole,  ///< whole drops at once: where the start is close
   } parts = Parts::kGrow;
-  /// Standard deviations, >= 0, of constants that are not fitted. Their effect on the fitted ones counts in all errors
+  /// Standard deviations, >= 0, of terms that are not fitted. Their effect on the fitted ones counts in all errors
   /// and verdicts (identify::Considered).
   std::vector<std::pair<std::string, double>> errors;
   std::vector<std::string> profiles;  ///< constants whose likelihood profile is made; each must be fitted

@@ -68,8 +68,6 @@ struct Subject {
 
 /// The options of --robust.
 RobustOptions robust_of(const AtlasArguments& a, long default_samples) {
-  if (!a.scatter.drops.empty())
-    throw InputError("--drops: the drops of an atlas are those of its grid: --scatter says how they scatter");
   if (!a.robust) {
     const char* given = a.samples           ? "--samples"
                         : a.scatter.scatter ? "--scatter"

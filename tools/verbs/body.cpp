@@ -8,15 +8,18 @@
 #include <filesystem>
 #include <memory>
 
+#include "common/csv.hpp"
 #include "common/degrees_doubt.hpp"
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/body/places.hpp"
 #include "landing/model/scatter_file.hpp"
+#include "landing/plan/body_drop_file.hpp"
 #include "landing/plan/body_goal.hpp"
 #include "landing/plan/body_least_breaking.hpp"
 #include "landing/plan/body_risk.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "landing/plan/scene_doubts.hpp"
 #include "tools/program/actuators.hpp"
@@ -139,6 +142,21 @@ Texts edited_texts(const std::string& path, const std::vector<std::string>& actu
   return set.empty() ? Texts{} : edited(path, read_edited(path, drives_of(actuators), height, {}), set).texts();
 }
 
+namespace {
+
+/// Throws InputError where the references may move from the first touchdown on alone, whose time is exact if nothing
+/// turns at release.
+void check_release(const BodyScene& scene, const std::string& key) {
+  if (!scene.release || scene.drop.pitch_rate != 0) return;
+  for (const BodyRelease::Joint& j : scene.release->joints)
+    if (j.rate != 0) return;
+  if (const double fall = fall_time(scene); !(scene.release->from < fall))
+    throw InputError(fmt::format("{}: {} s: a time before the first touchdown, at {:.6g} s, is needed", key,
+                                 shortest(scene.release->from), fall));
+}
+
+}  // namespace
+
 BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
                   const std::string& option, const std::optional<double>& height, const std::vector<std::string>& set) {
   const std::vector<GivenDrive> drives = drives_of(actuators, option);
@@ -154,6 +172,7 @@ BodyScene body_of(const std::string& path, const std::vector<std::string>& actua
   note_files(scene, path, run);
   if (edit)
     for (auto& [name, text] : edit->kept(height, run.provenance_text(), run.folder(), drives)) run.add(name, text);
+  check_release(scene, path + ": release.from");
   for (const std::string& doubt : doubts(scene)) run.warn(doubt);
   if (!scene.floor) run.warn("the scene has no [floor]: nothing can touch");
   warn_of_doubts(path, scene.verdicts, run);
@@ -191,6 +210,7 @@ void keep_ratings(BodyScene& scene, Run& run) {
 
 void apply_freedom(const FreedomArguments& a, BodyScene& scene, Run& run) {
   apply(a, scene.freedom), apply_release(a, scene);
+  if (a.from) check_release(scene, "--release-from");
   warn_of_radians(a, run);
 }
 
@@ -264,17 +284,22 @@ int run_robot(const RobotArguments& a, const CommonOptions& common) {
 }  // namespace
 
 std::string only_actuator(const std::vector<std::string>& given, const std::string& option) {
-  if (given.empty()) throw InputError(option + " is required");
+  if (given.empty())
+    throw InputError(option + " is required (of a robot of links the scene says robot = \"FILE\" above all tables)");
   if (given.size() > 1) throw InputError(option + ": the paper's robot has one joint: one file is needed");
   return given[0];
 }
 
 int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   Run run(kSimulateOutputs, common);
-  refuse(!a.drop_from.empty(), "--drop-from");
-  const BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
+  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
   check_exports(a.exports, scene.robot);
-  const BodyMotion motion = motion_of(scene, a.motion, run);
+  BodyMotion motion = motion_of(scene, a.motion, run);
+  if (!a.drop_from.empty()) {
+    const BodyDrop drop = drop_from(
+        a.drop_from, [&](const std::string& path) { return read_drops(path, scene); }, run);
+    motion = drop.played(motion), scene = drop.scene;
+  }
   const double rate = checked_rate(a.rate.value_or(1000));
   SimulateOptions options;
   options.accuracy = a.accuracy.value_or(options.accuracy);

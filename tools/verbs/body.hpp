@@ -1,11 +1,15 @@
 // simulate, optimize, risk, compare and map of a robot of links, the verb `robot`, and their shared options.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/error.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/judge/map.hpp"
 #include "landing/plan/body_drops.hpp"
@@ -84,8 +88,21 @@ struct MapArguments {
 struct TradeArguments {
   OptimizeArguments plan;  ///< of each design
   std::vector<std::string> vary, merge;
+  std::vector<std::string> vary_options = {};  ///< which options gave `vary`; empty: --vary
   std::string pareto, shard;
 };
+/// Parses FILE:ROW of --drop-from.
+std::pair<std::string, std::size_t> drop_row(const std::string& text);
+/// The drop of --drop-from; `read`: the drops of a file.
+template <class Read>
+auto drop_from(const std::string& text, Read&& read, Run& run) {
+  const auto [file, row] = drop_row(text);
+  run.input(file);
+  const auto drops = read(file);
+  if (row > drops.size())
+    throw InputError(fmt::format("--drop-from: {}: the file has {} row(s)", ukemi::quoted(text), drops.size()));
+  return drops[row - 1];
+}
 /// Checks --samples.
 long samples_of(const RiskArguments& arguments);
 int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);

@@ -85,7 +85,7 @@ void set_options(const CalibrateArguments& a, const CommonOptions& common, Calib
   }
   for (const std::string& item : split(a.errors)) {
     const auto [name, value] = assignment("--errors", item, "NAME=SD");
-    const TermWithUnit n = find_term(*o.terms.table, "--errors", name, {kConstant});
+    const TermWithUnit n = find_term(*o.terms.table, "--errors", name, {kConstant, kNuisance});
     o.errors.emplace_back(n.term, to_number("--errors", value) * n.unit);
   }
   o.validate();
@@ -201,7 +201,8 @@ void add_calibrate(CLI::App* verb, Action& chosen) {
   repeated("--prior", args->priors, "NAME=VALUE:STD: what is known of a fitted term beforehand");
   verb->add_option(
       "--errors", args->errors,
-      "stiffness=500,...: standard deviations of constants that are not fitted: all errors include theirs");
+      "stiffness=500,height_offset=0.005,...: standard deviations of terms that are not fitted, of an offset in each "
+      "drop by itself: all errors include theirs");
   verb->add_option("--lower", args->lower, "stiffness=1000,pitch_deg=-20,...: lower bounds [0; pitch: -180 deg]");
   verb->add_option("--upper", args->upper, "upper bounds [none; pitch: 180 deg]");
   verb->add_option("--profile", args->profile,

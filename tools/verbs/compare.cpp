@@ -22,6 +22,11 @@ void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& 
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   if (!a.scene.empty() && landing::is_of_links(a.scene)) return compare_body(a, common);
+  for (const auto& [option, given] : {std::pair("--nominal", &a.nominal), {"--identified", &a.identified}})
+    for (const landing::GivenDrive& drive : drives_of(*given, option))
+      if (a.scene.empty() && !drive.joint.empty())
+        throw InputError(fmt::format("{}: {}={}: JOINT=FILE is of a robot of links, whose --scene is needed", option,
+                                     drive.joint, drive.file));
   const PerSet<std::string> files = {only_actuator(a.nominal, "--nominal"),
                                      only_actuator(a.identified, "--identified")};
   Run run(kCompareOutputs, common);
@@ -79,7 +84,7 @@ void add_compare(CLI::App* verb, Action& chosen) {
       "--robust", args->robust,
       "with a scene, plans for drops that scatter too, with nominal constants, identified, identified with "
       "their covariance: mean, cvar, quantile:Q or worst");
-  add_scatter(*verb, args->scatter);
+  add_scatter(*verb, args->scatter), add_drops(*verb, args->scatter);
   add_action<CompareArguments>(
       *verb, args, "ukemi compare --nominal nominal.toml --identified actuator.toml --scene scene.toml -o out", chosen,
       [](auto& a, auto& common) { return run_compare(a, common); });

@@ -144,7 +144,7 @@ int run_chain(const CommonOptions& common, Run& run, Comparison& comparison) {
 
 int run_demo(const DemoArguments& a, const CommonOptions& common) {
   Run run(Outputs{"demo", {}}, common);
-  run.withdraw_summary();
+  run.withdraw_results();
   Comparison comparison;
   if (const int code = run_chain(common, run, comparison); code != kDone) return code;
 

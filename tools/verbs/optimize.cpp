@@ -122,7 +122,7 @@ void add_robust_options(CLI::App* verb, const std::shared_ptr<OptimizeArguments>
   verb->add_option("--robust", args->robust,
                    "plan for drops that scatter: mean, cvar (the mean of the worst tenth), quantile:Q or worst; with "
                    "--objective tolerant each drop plays the motion somewhere in its execution box");
-  add_scatter(*verb, args->scatter);
+  add_scatter(*verb, args->scatter), add_drops(*verb, args->scatter);
   add_samples(*verb, args->samples);
   verb->add_option("--share", args->share,
                    "with --robust: the share of drops that keep every limit [mean 0.5; worst 1; else its level; of the "

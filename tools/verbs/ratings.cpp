@@ -41,8 +41,12 @@ int ratings_of_links(const RatingsArguments& a, const CommonOptions& common) {
   t.plan.scene = a.scene, t.plan.actuators = a.actuators, t.plan.evaluations = a.evaluations,
   t.plan.freedom = a.freedom;
   t.plan.ratings = OptimizeArguments::Ratings::kRespect;
-  t.vary = {"drive.*.speed_max=" + a.speed};
-  if (a.torque) t.vary.push_back("drive.*.motor_torque_max=" + *a.torque);
+  const auto vary = [&t](const char* option, const std::string& rating, const std::string& range) {
+    (void)grid_of(option, range);
+    t.vary.push_back("drive.*." + rating + "=" + range), t.vary_options.push_back(option);
+  };
+  vary("--motor-speed", "speed_max", a.speed);
+  if (a.torque) vary("--motor-torque", "motor_torque_max", *a.torque);
   return run_trade(t, common);
 }
 

@@ -81,7 +81,7 @@ void add_risk(CLI::App* verb, Action& chosen) {
   add_actuators(*verb, args->actuators);
   add_set(*verb, args->set);
   add_motion(*verb, args->motion);
-  add_scatter(*verb, args->scatter);
+  add_scatter(*verb, args->scatter), add_drops(*verb, args->scatter);
   verb->add_flag_callback(
       "--inexact", [args] { args->execution = RiskArguments::Execution::kInexact; },
       "the motion is played anywhere within the scene's [execution] tolerance");

@@ -19,7 +19,10 @@ void add_scatter(CLI::App& verb, ScatterArguments& a) {
                   "slope_deg, and friction, stiffness_tangential, dissipation, pad_thickness, pad_stiffness, "
                   "pad_damping as 10% [the scene's, else pitch_deg=1,height=0.01,forward_speed=0.03]");
   verb.add_option("--inflate", a.inflate, "factor of the standard errors of the actuator's constants; 0: exact [1]");
-  verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
+}
+void add_drops(CLI::App& verb, ScatterArguments& a) {
+  verb.add_option("--drops", a.drops,
+                  "CSV file of drops as they were measured, in place of drawn ones; not of robots of links");
 }
 
 double checked_inflate(const ScatterArguments& a) {

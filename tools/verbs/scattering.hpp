@@ -16,7 +16,9 @@ struct ScatterArguments {
   std::optional<double> inflate;
   std::string drops;  ///< file of measured drops
 };
+/// Adds --scatter and --inflate.
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
+void add_drops(CLI::App& verb, ScatterArguments& arguments);
 /// Adds --samples of a plan for drops that scatter.
 void add_samples(CLI::App& verb, std::optional<long>& samples);
 

@@ -20,20 +20,14 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-namespace {
-
-/// The drop in FILE:ROW.
-ScatteredDrop drop_of(const std::string& text, const Scene& scene, const Actuator& actuator, Run& run) {
+std::pair<std::string, std::size_t> drop_row(const std::string& text) {
   const std::size_t colon = text.rfind(':');
   const long number = colon == std::string::npos ? 0 : parsed_number<long>(text.substr(colon + 1)).value_or(0);
   if (number < 1) throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
-  const std::string file = text.substr(0, colon);
-  run.input(file);
-  const std::vector<ScatteredDrop> drops = read_drops(file, scene, actuator.sea);
-  if (number > long(drops.size()))
-    throw InputError(fmt::format("--drop-from: {}: the file has {} row(s)", quoted(text), drops.size()));
-  return drops[std::size_t(number - 1)];
+  return {text.substr(0, colon), std::size_t(number)};
 }
+
+namespace {
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return simulate_body(a, common);
@@ -49,7 +43,8 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   options.accuracy = a.accuracy.value_or(options.accuracy);
   options.validate();
   if (!a.drop_from.empty()) {
-    const ScatteredDrop drop = drop_of(a.drop_from, scene, actuator, run);
+    const ScatteredDrop drop = drop_from(
+        a.drop_from, [&](const std::string& path) { return read_drops(path, scene, actuator.sea); }, run);
     const DrivenMotion play = drop.played({motion, actuator.sea});
     scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
   }

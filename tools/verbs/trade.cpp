@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -25,9 +26,8 @@ namespace {
 
 constexpr int kCurvePoints = 9, kMapPoints = 5;  // default number of designs along one axis, and each of two
 
-/// Parses KEY=LO:HI[:N].
-TradeAxis axis_of(const std::string& text, int default_count, const BodyScene& scene) {
-  const std::string option = "--vary";
+/// Parses KEY=LO:HI[:N] of an option.
+TradeAxis axis_of(const std::string& option, const std::string& text, int default_count, const BodyScene& scene) {
   const Assignment a = assignment(option, text, "KEY=LO:HI[:N]");
   const bool counted = std::count(a.value.begin(), a.value.end(), ':') == 2;
   const NumberRange range = number_range(option, a.value, counted);
@@ -47,8 +47,9 @@ TradeAxis axis_of(const std::string& text, int default_count, const BodyScene& s
 std::vector<TradeAxis> axes_of(const TradeArguments& a, const BodyScene& scene) {
   if (a.vary.size() > 2) throw InputError(fmt::format("--vary: {} times: once or twice is needed", a.vary.size()));
   std::vector<TradeAxis> out;
-  for (const std::string& text : a.vary) {
-    out.push_back(axis_of(text, a.vary.size() == 1 ? kCurvePoints : kMapPoints, scene));
+  for (std::size_t i = 0; i < a.vary.size(); ++i) {
+    const std::string& option = i < a.vary_options.size() ? a.vary_options[i] : "--vary";
+    out.push_back(axis_of(option, a.vary[i], a.vary.size() == 1 ? kCurvePoints : kMapPoints, scene));
     const std::string& name = out.back().name;
     if (out.size() == 2 && out[0].name == name) throw InputError("--vary: " + quoted(name) + ": named twice");
     if (is_rating(name) && a.plan.ratings != OptimizeArguments::Ratings::kRespect)
@@ -69,9 +70,10 @@ FrontArguments front_of(const std::string& text) {
     throw InputError(option + ": " + quoted(text) + ": A,B or A,B:N is needed, names of loads");
   FrontArguments out{text.substr(0, comma), text.substr(comma + 1, colon - comma - 1)};
   if (colon == std::string::npos) return out;
-  out.count = to_seed(option, text.substr(colon + 1));
-  if (out.count < 2 || out.count > 1000)
-    throw InputError(option + ": " + quoted(text) + ": 2 to 1000 designs are needed");
+  const std::string count = text.substr(colon + 1);
+  const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), out.count);
+  if (error != std::errc() || end != count.data() + count.size() || out.count < 2 || out.count > 1000)
+    throw InputError(option + ": " + quoted(text) + ": a whole number N of designs from 2 to 1000 is needed");
   return out;
 }
 
@@ -92,8 +94,8 @@ std::string identity_of(const TradeArguments& a, const BodyPlanOptions& search, 
   parts.push_back(fmt::format("{} {} {} {} {} {} {} {}", int(search.goal), a.plan.robust.value_or(""),
                               search.share.value_or(0), search.inflate, search.samples, search.evaluations.value_or(0),
                               search.seed, a.plan.ratings == OptimizeArguments::Ratings::kRespect));
-  parts.push_back(fmt::format("{} {} {} {} {}", a.plan.scatter.scatter.value_or(""), f.bumps.value_or(-1),
-                              f.gains.value_or(""), fmt::join(a.plan.forbid, ","), a.plan.scatter.drops));
+  parts.push_back(fmt::format("{} {} {} {}", a.plan.scatter.scatter.value_or(""), f.bumps.value_or(-1),
+                              f.gains.value_or(""), fmt::join(a.plan.forbid, ",")));
   constexpr double kAbsent = std::numeric_limits<double>::infinity();
   parts.push_back(fmt::format("{} {} {}", f.release_phi.value_or(kAbsent), f.release_rate.value_or(kAbsent),
                               f.from.value_or(kAbsent)));
@@ -130,7 +132,7 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
   options.monitor = run.monitor("trade", "plans");
   const std::vector<TradeAxis> axes = axes_of(a, scene);
   const std::optional<FrontArguments> front = a.pareto.empty() ? std::nullopt : std::optional(front_of(a.pareto));
-  if (front) check_front(scene, front->cost, front->limited);  // before anything is written
+  if (front) check_front(scene, front->cost, front->limited, "--pareto");  // before anything is written
   std::size_t designs = front ? front->count : 1;
   for (const TradeAxis& axis : axes) designs *= axis.values.size();
 
