@@ -77,33 +77,28 @@ py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
 namespace {
 
 void bind_drop_of_scene(py::class_<BodyScene>& c) {
-  c.def_property_readonly(
-       "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
-      .def_property_readonly(
-          "forward_speed", [](const BodyScene& s) { return s.drop.forward_speed; }, "At release [m/s].")
-      .def_property_readonly(
-          "pitch", [](const BodyScene& s) { return s.drop.pitch; }, "Angle of the first link at release [rad].")
-      .def_property_readonly(
-          "pitch_rate", [](const BodyScene& s) { return s.drop.pitch_rate; }, "At release [rad/s].")
-      .def(
-          "dropped",
-          [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-             std::optional<double> pitch_rate) {
-            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-            s.validate();
-            return s;
-          },
-          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-          py::arg("pitch_rate") = py::none(),
-          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+  property(c, "height", "Clearance of the lowest contact at release [m].", [](auto& s) { return s.drop.height; });
+  property(c, "forward_speed", "At release [m/s].", [](auto& s) { return s.drop.forward_speed; });
+  property(c, "pitch", "Angle of the first link at release [rad].", [](auto& s) { return s.drop.pitch; });
+  property(c, "pitch_rate", "At release [rad/s].", [](auto& s) { return s.drop.pitch_rate; });
+  c.def(
+      "dropped",
+      [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
+         std::optional<double> pitch_rate) {
+        s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
+        s.validate();
+        return s;
+      },
+      py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
+      py::arg("pitch_rate") = py::none(),
+      "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
 }
 
 void bind_design_numbers(py::class_<BodyScene>& c) {
-  c.def_property_readonly("loads", loads_of_scene,
-                          "What its parts bear, by name: a dict of kind, of, rating, unit and limit.")
-      .def_property_readonly("design_names", design_names, "Every number of the design that has a name, see `design`.")
-      .def("design", design_number, py::arg("name"),
-           "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
+  property(c, "loads", "What its parts bear, by name: a dict of kind, of, rating, unit and limit.", loads_of_scene);
+  property(c, "design_names", "Every number of the design that has a name, see `design`.", design_names);
+  c.def("design", design_number, py::arg("name"),
+        "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
       .def(
           "with_design",
           [](BodyScene s, const std::map<std::string, double>& numbers) {
@@ -115,24 +110,17 @@ void bind_design_numbers(py::class_<BodyScene>& c) {
 
 void bind_robot_scene(py::module_& m) {
   py::class_<BodyScene> c(m, "RobotScene", "A robot of links, its floor, its drop, and what a plan may be.");
-  c.def_readonly("name", &BodyScene::name, "What it is called.")
-      .def_property_readonly(
-          "links", [](const BodyScene& s) { return names_of(s.robot.links); }, "Names of the links.")
-      .def_property_readonly(
-          "joints",
-          [](const BodyScene& s) {
-            std::vector<std::string> out;
-            for (const Joint& j : s.robot.joints)
-              if (j.driven()) out.push_back(j.name);
-            return out;
-          },
-          "Names of the driven joints, in the robot's order.")
-      .def_property_readonly(
-          "contacts", [](const BodyScene& s) { return names_of(s.robot.contacts); }, "Names of the contact points.")
-      .def_property_readonly(
-          "mass", [](const BodyScene& s) { return s.robot.mass(); }, "Of the whole robot [kg].")
-      .def_property_readonly(
-          "doubts", [](const BodyScene& s) { return doubts(s); }, "What looks wrong, a sentence each.");
+  c.def_readonly("name", &BodyScene::name, "What it is called.");
+  property(c, "links", "Names of the links.", [](auto& s) { return names_of(s.robot.links); });
+  property(c, "joints", "Names of the driven joints, in the robot's order.", [](auto& s) {
+    std::vector<std::string> out;
+    for (const Joint& j : s.robot.joints)
+      if (j.driven()) out.push_back(j.name);
+    return out;
+  });
+  property(c, "contacts", "Names of the contact points.", [](auto& s) { return names_of(s.robot.contacts); });
+  property(c, "mass", "Of the whole robot [kg].", [](auto& s) { return s.robot.mass(); });
+  property(c, "doubts", "What looks wrong, a sentence each.", [](auto& s) { return doubts(s); });
   bind_drop_of_scene(c), bind_design_numbers(c);
   c.def(
        "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
@@ -242,28 +230,23 @@ Figure body_figure(const BodyPlayed& p) {
 void bind_body_landing(py::module_& m) {
   py::class_<BodyPlayed> c(m, "RobotLanding", "One landing of a robot of links, from release to rest.");
   bind_run_end(
-      c, +[](const BodyPlayed& p) -> const RunEnd& { return p.checked.landing; }, "contact");
+      c, [](auto& p) -> auto& { return p.checked.landing; }, "contact");
   bind_sensitivity(
-      c, +[](const BodyPlayed& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
-  c.def_property_readonly(
-       "contacts",
-       [](const BodyPlayed& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); },
-       "Every contact, in the order of the touchdowns.")
-      .def_property_readonly(
-          "motions", [](const BodyPlayed& p) { return by_joint(p.checked.scene.robot, p.checked.motion); },
-          "What was played: a Motion of each driven joint by its name.")
-      .def_property_readonly(
-          "loads", [](const BodyPlayed& p) { return loads_of_landing(p.checked.scene, p.checked.landing); },
-          "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
-          "what "
-          "RobotScene.loads has.")
-      .def_property_readonly(
-          "energy_residual", [](const BodyPlayed& p) { return p.checked.landing.energy_residual; },
-          "Mismatch of the energy check over the energy turned over [1].")
-      .def("__repr__", [](const BodyPlayed& p) {
-        return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
-                           p.checked.landing.t_peak);
-      });
+      c, [](auto& p) -> auto& { return p.checked.sensitivity; });
+  property(c, "contacts", "Every contact, in the order of the touchdowns.",
+           [](auto& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); });
+  property(c, "motions", "What was played: a Motion of each driven joint by its name.",
+           [](auto& p) { return by_joint(p.checked.scene.robot, p.checked.motion); });
+  property(c, "loads",
+           "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
+           "what RobotScene.loads has.",
+           [](auto& p) { return loads_of_landing(p.checked.scene, p.checked.landing); });
+  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
+           [](auto& p) { return p.checked.landing.energy_residual; });
+  c.def("__repr__", [](const BodyPlayed& p) {
+    return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
+                       p.checked.landing.t_peak);
+  });
   bind_figure(c, body_figure, "The acceleration that counts [m/s^2] over time [s].");
   bind_trajectory(c);
   bind_value(c);

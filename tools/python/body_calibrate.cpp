@@ -46,22 +46,20 @@ void bind_body_log(py::module_& m) {
   c.def(py::init(&body_log_of),
         "Times t from release [s]; outputs by name, as \"acc\" [m/s^2], \"x_thigh\" [m], \"phi_knee\" [rad]: arrays as "
         "long as t, NaN where not measured.",
-        py::arg("scene"), py::arg("t"), py::arg("outputs"), py::arg("name") = "drop")
-      .def_property_readonly(
-          "name", [](const BodyDropLog& d) { return d.log.file; }, "Its file, or the name that it was given.")
-      .def_property_readonly(
-          "t", [](const py::object& self) { return view(self.cast<const BodyDropLog&>().log.t, self); },
-          "Times from release [s].")
-      .def_property_readonly(
-          "outputs",
-          [](const py::object& self) {
-            const auto& d = self.cast<const BodyDropLog&>();
-            py::dict out;
-            for (std::size_t o = 0; o < d.channels.size(); ++o)
-              if (!d.log.output[o].empty()) out[py::str(d.channels[o].name)] = view(d.log.output[o], self);
-            return out;
-          },
-          "What was measured, by its name [m/s^2, m or rad].")
+        py::arg("scene"), py::arg("t"), py::arg("outputs"), py::arg("name") = "drop");
+  property(c, "name", "Its file, or the name that it was given.", [](auto& d) { return d.log.file; });
+  column_property(
+      c, "t", "Times from release [s].", [](auto& d) -> auto& { return d.log.t; });
+  c.def_property_readonly(
+       "outputs",
+       [](const py::object& self) {
+         const auto& d = self.cast<const BodyDropLog&>();
+         py::dict out;
+         for (std::size_t o = 0; o < d.channels.size(); ++o)
+           if (!d.log.output[o].empty()) out[py::str(d.channels[o].name)] = view(d.log.output[o], self);
+         return out;
+       },
+       "What was measured, by its name [m/s^2, m or rad].")
       .def("__repr__", [](const BodyDropLog& d) {
         return fmt::format("<ukemi.RobotDropLog {}: {} rows>", d.log.file, d.log.t.size());
       });
@@ -156,46 +154,38 @@ py::dict dict_of(const TriedLaw& t) {
 }
 
 void bind_laws(py::class_<BodyCalibrated>& c) {
-  c.def_property_readonly(
-       "laws",
-       [](const BodyCalibrated& x) {
-         py::list out;
-         for (const TriedLaw& t : x.fitted.result.laws) out.append(dict_of(t));
-         return out;
-       },
-       "The laws that were tried, the scene's first: a dict of law, converged, rms (in the logs' noise [1]), bic (less "
-       "that of the scene's), held_out (rms of drops left out) and rejected.")
-      .def_property_readonly(
-          "asked",
-          [](const BodyCalibrated& x) {
-            const BodyCalibration& found = x.fitted.result;
-            return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.best_law].law));
-          },
-          "The law that the drops support best; None where nothing could be followed.")
-      .def_property_readonly(
-          "law_rejected", [](const BodyCalibrated& x) { return x.fitted.result.law_rejected(); },
-          "Whether the drops speak against the law of `scene`: its residuals do, or another is better beyond doubt.");
+  property(c, "laws",
+           "The laws that were tried, the scene's first: a dict of law, converged, rms (in the logs' noise [1]), bic "
+           "(less that of the scene's), held_out (rms of drops left out) and rejected.",
+           [](auto& x) {
+             py::list out;
+             for (const TriedLaw& t : x.fitted.result.laws) out.append(dict_of(t));
+             return out;
+           });
+  property(c, "asked", "The law that the drops support best; None where nothing could be followed.", [](auto& x) {
+    const BodyCalibration& found = x.fitted.result;
+    return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.best_law].law));
+  });
+  property(c, "law_rejected",
+           "Whether the drops speak against the law of `scene`: its residuals do, or another is better beyond doubt.",
+           [](auto& x) { return x.fitted.result.law_rejected(); });
 }
 
 void bind_body_calibration(py::module_& m) {
   py::class_<BodyCalibrated> c(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.");
   bind_estimates(
-      c, +[](const BodyCalibrated& x) -> const identify::Estimates& { return x.fitted.result; });
+      c, [](auto& x) -> auto& { return x.fitted.result; });
   bind_floor_fit(
-      c, +[](const BodyCalibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
-  bind_profiles(
-      c, +[](const BodyCalibrated& x) { return x.fitted.result.profiles; });
+      c, [](auto& x) -> auto& { return x.fitted.result; });
+  bind_profiles(c, [](auto& x) { return x.fitted.result.profiles; });
   bind_laws(c);
-  c.def_property_readonly(
-       "scene", [](const BodyCalibrated& x) { return x.fitted.result.scene; }, "The given scene with what was fitted.")
-      .def_property_readonly(
-          "validation",
-          [](const BodyCalibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
-          "The same of drops that were not fitted.")
-      .def("__repr__", [](const BodyCalibrated& x) {
-        return fmt::format("<ukemi.RobotCalibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
-                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
-      });
+  property(c, "scene", "The given scene with what was fitted.", [](auto& x) { return x.fitted.result.scene; });
+  property(c, "validation", "The same of drops that were not fitted.",
+           [](auto& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; });
+  c.def("__repr__", [](const BodyCalibrated& x) {
+    return fmt::format("<ukemi.RobotCalibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
+                       x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
+  });
   bind_value(c);
   bind_report(
       c, tools::kCalibrateOutputs,

@@ -38,49 +38,36 @@ void bind_body_optimum(py::module_& m) {
         {.scene = o.scene, .motion = motion, .landing = landing, .sensitivity = {}, .accuracy = o.options.accuracy},
         o.options.rate};
   };
-  c.def_property_readonly(
-       "found", [](const BodyOptimum& o) { return o.plan.found; }, "Whether anything could be followed to the floor.")
-      .def_property_readonly(
-          "message", [](const BodyOptimum& o) { return o.plan.message; },
-          "Why nothing was found, or why the search ended early.")
-      .def_property_readonly(
-          "motions", [](const BodyOptimum& o) { return by_joint(o.scene.robot, o.plan.motion); },
-          "The best motion of each driven joint by its name.")
-      .def_property_readonly("goal", &BodyOptimum::goal, "What was minimised.")
-      .def_property_readonly(
-          "value", [](const BodyOptimum& o) { return o.plan.value; }, "Of the goal [m/s^2].")
-      .def_property_readonly(
-          "held_value", [](const BodyOptimum& o) { return o.plan.held_value; }, "The same of the held posture [m/s^2].")
-      .def_property_readonly(
-          "peak", [](const BodyOptimum& o) { return o.plan.landing.peak; }, "Peak of the scene's own drop [m/s^2].")
-      .def_property_readonly(
-          "held_peak", [](const BodyOptimum& o) { return o.plan.held.peak; }, "The same of the held posture [m/s^2].")
-      .def_property_readonly(
-          "edges", [](const BodyOptimum& o) { return edges_of(o.plan.variables, o.plan.edges); },
-          "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".")
-      .def_property_readonly(
-          "evaluations", [](const BodyOptimum& o) { return o.plan.evaluations; },
-          "Motions that were searched, under scatter landings.")
-      .def_property_readonly(
-          "seconds", [](const BodyOptimum& o) { return o.plan.seconds; }, "From the call to the answer [s].")
-      .def_property_readonly(
-          "landing", [played](const BodyOptimum& o) { return played(o, o.plan.motion, o.plan.landing); },
-          "The landing of the motions.")
-      .def_property_readonly(
-          "held", [played](const BodyOptimum& o) { return played(o, o.plan.hold, o.plan.held); },
-          "The landing of the held posture.")
-      .def_property_readonly(
-          "loads",
-          [](const BodyOptimum& o) { return o.plan.found ? loads_of_landing(o.scene, o.plan.landing) : py::dict(); },
-          "What the parts of the robot bear in the scene's own drop, as RobotLanding.loads; of limits too.")
-      .def_property_readonly(
-          "share", [](const BodyOptimum& o) { return tools::kept_share(o.plan); },
-          "The share of fresh drops in which the motions keep every limit [1]; None: no fresh drops were played.")
-      .def("__repr__", [](const BodyOptimum& o) {
-        if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
-        return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
-                           minimised(o.goal(), o.plan.value));
-      });
+  property(c, "found", "Whether anything could be followed to the floor.", [](auto& o) { return o.plan.found; });
+  property(c, "message", "Why nothing was found, or why the search ended early.",
+           [](auto& o) { return o.plan.message; });
+  property(c, "motions", "The best motion of each driven joint by its name.",
+           [](auto& o) { return by_joint(o.scene.robot, o.plan.motion); });
+  property(c, "goal", "What was minimised.", &BodyOptimum::goal);
+  property(c, "value", "Of the goal [m/s^2].", [](auto& o) { return o.plan.value; });
+  property(c, "held_value", "The same of the held posture [m/s^2].", [](auto& o) { return o.plan.held_value; });
+  property(c, "peak", "Peak of the scene's own drop [m/s^2].", [](auto& o) { return o.plan.landing.peak; });
+  property(c, "held_peak", "The same of the held posture [m/s^2].", [](auto& o) { return o.plan.held.peak; });
+  property(c, "edges", "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".",
+           [](auto& o) { return edges_of(o.plan.variables, o.plan.edges); });
+  property(c, "evaluations", "Motions that were searched, under scatter landings.",
+           [](auto& o) { return o.plan.evaluations; });
+  property(c, "seconds", "From the call to the answer [s].", [](auto& o) { return o.plan.seconds; });
+  property(c, "landing", "The landing of the motions.",
+           [played](auto& o) { return played(o, o.plan.motion, o.plan.landing); });
+  property(c, "held", "The landing of the held posture.",
+           [played](auto& o) { return played(o, o.plan.hold, o.plan.held); });
+  property(c, "loads",
+           "What the parts of the robot bear in the scene's own drop, as RobotLanding.loads; of limits too.",
+           [](auto& o) { return o.plan.found ? loads_of_landing(o.scene, o.plan.landing) : py::dict(); });
+  property(c, "share",
+           "The share of fresh drops in which the motions keep every limit [1]; None: no fresh drops were played.",
+           [](auto& o) { return tools::kept_share(o.plan); });
+  c.def("__repr__", [](const BodyOptimum& o) {
+    if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
+    return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
+                       minimised(o.goal(), o.plan.value));
+  });
   bind_value(c);
   bind_report(
       c, tools::kOptimizeOutputs,
@@ -229,8 +216,7 @@ void bind_body_planner(py::module_& m) {
           py::arg("pitch_rate") = 0.0, py::arg("elapsed") = 0.0, py::arg("vertical_speed") = py::none(),
           py::arg("deadline") = 0.05, py::arg("seed") = 1,
           "The same for a robot that falls already: joints is a dict of (angle [rad], rate [rad/s]) of each driven "
-          "joint, "
-          "elapsed: the time since release [s], vertical_speed upwards [m/s].");
+          "joint, elapsed: the time since release [s], vertical_speed upwards [m/s].");
 }
 
 /// The loads by name, each with the number and the share of drops in which it exceeds its rating.
@@ -255,15 +241,15 @@ std::map<std::string, double> touches_of(const BodyRiskResult& r) {
 void bind_body_risk(py::module_& m) {
   py::class_<BodyRiskResult> c(m, "RobotRisk", "The peaks of a robot of links over drops that scatter.");
   bind_peak_risk(
-      c, +[](const BodyRiskResult& r) -> const PeakRisk& { return r.risk; });
-  c.def_property_readonly("loads", loads_of_risk,
-                          "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its "
-                          "rating and their share [1].")
-      .def_property_readonly("touches", touches_of,
-                             "Of the contacts that must not touch, by name: the share of drops in which one does [1].")
-      .def_property_readonly(
-          "share", [](const BodyRiskResult& r) { return r.risk.kept(); },
-          "The share of drops in which the motions keep every limit [1].");
+      c, [](auto& r) -> auto& { return r.risk; });
+  property(c, "loads",
+           "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its rating and their "
+           "share [1].",
+           loads_of_risk);
+  property(c, "touches", "Of the contacts that must not touch, by name: the share of drops in which one does [1].",
+           touches_of);
+  property(c, "share", "The share of drops in which the motions keep every limit [1].",
+           [](auto& r) { return r.risk.kept(); });
   c.def("__repr__", [](const BodyRiskResult& r) {
     return "<ukemi.RobotRisk: " + tools::distribution_words(r.risk.peaks) + " m/s^2>";
   });

@@ -68,19 +68,16 @@ void bind_logs(py::module_& m) {
           return log_of(t, {acc, ax, ay, x_0, y_0, phi_0}, name);
         }),
         "Times t from release [s]; |ddr_0| acc, its components ax and ay [m/s^2], the centre of mass x_0, y_0 [m], "
-        "pitch "
-        "phi_0 [rad]: arrays as long as t, NaN where not measured, or None.",
+        "pitch phi_0 [rad]: arrays as long as t, NaN where not measured, or None.",
         py::arg("t"), py::arg("acc") = py::none(), py::arg("ax") = py::none(), py::arg("ay") = py::none(),
         py::arg("x_0") = py::none(), py::arg("y_0") = py::none(), py::arg("phi_0") = py::none(),
         py::arg("name") = "drop")
-      .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.")
-      .def_property_readonly(
-          "t", [](const py::object& self) { return view(self.cast<const DropLog&>().t, self); },
-          "Times from release [s].");
+      .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.");
+  column_property(c, "t", "Times from release [s].", &DropLog::t);
   for (std::size_t o = 0; o < kOutputs; ++o)
-    c.def_property_readonly(
-        kOutputNames[o], [o](const py::object& self) { return view(self.cast<const DropLog&>().output[o], self); },
-        fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]).c_str());
+    column_property(
+        c, kOutputNames[o], fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]),
+        [o](auto& d) -> auto& { return d.output[o]; });
   bind_value(c);
   m.def(
       "read_drop", [](const Path& path) { return read_drop(path); }, py::arg("path"), "Reads a log of a drop (CSV).");
@@ -145,21 +142,17 @@ void bind_drop_fit(py::module_& m) {
 void bind_calibration(py::module_& m) {
   py::class_<Calibrated> c(m, "Calibration", "The floor's constants and the pitch, fitted to drops.");
   bind_estimates(
-      c, +[](const Calibrated& x) -> const identify::Estimates& { return x.fitted.result; });
+      c, [](auto& x) -> auto& { return x.fitted.result; });
   bind_floor_fit(
-      c, +[](const Calibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
-  bind_profiles(
-      c, +[](const Calibrated& x) { return x.fitted.result.profiles; });
-  c.def_property_readonly(
-       "scene", [](const Calibrated& x) { return x.fitted.result.scene; }, "The given scene with the fitted constants.")
-      .def_property_readonly(
-          "validation",
-          [](const Calibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
-          "The same of drops that were not fitted.")
-      .def("__repr__", [](const Calibrated& x) {
-        return fmt::format("<ukemi.Calibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
-                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
-      });
+      c, [](auto& x) -> auto& { return x.fitted.result; });
+  bind_profiles(c, [](auto& x) { return x.fitted.result.profiles; });
+  property(c, "scene", "The given scene with the fitted constants.", [](auto& x) { return x.fitted.result.scene; });
+  property(c, "validation", "The same of drops that were not fitted.",
+           [](auto& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; });
+  c.def("__repr__", [](const Calibrated& x) {
+    return fmt::format("<ukemi.Calibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(), x.fitted.result.cost,
+                       x.fitted.result.trusted() ? ", trusted" : "");
+  });
   bind_file(c, "the scene's file, with the constants' verdicts",
             [](const Calibrated& x) { return to_toml(x.fitted.result.scene, ""); });
   bind_value(c);

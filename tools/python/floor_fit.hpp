@@ -13,23 +13,18 @@ std::vector<double> drop_output(const std::string& output, const std::optional<N
                                 const std::string& name);
 
 /// Binds a fit of drops except its estimates; of(result): the fit.
-template <class T, class... Options>
-void bind_floor_fit(py::class_<T, Options...>& c, const tools::FloorFit& (*of)(const T&)) {
-  c.def_property_readonly(
-       "model_rejected", [of](const T& x) { return of(x).tests.model_rejected(); },
-       "Whether the residuals speak against the floor.")
-      .def_property_readonly(
-          "drops", [of](const T& x) { return of(x).drops; }, "Each drop beside its log.")
-      .def_property_readonly(
-          "rms",
-          [of](const T& x) {
-            const tools::FloorFit& found = of(x);
-            std::map<std::string, double> out;
-            for (std::size_t o = 0; o < found.channels.size(); ++o)
-              if (std::isfinite(found.noise[o])) out[found.channels[o].name] = found.rms[o];
-            return out;
-          },
-          "Residual of each output that was measured, by its name [m/s^2, m or rad].");
+template <class T, class Of, class... Options>
+void bind_floor_fit(py::class_<T, Options...>& c, Of of) {
+  property(c, "model_rejected", "Whether the residuals speak against the floor.",
+           [of](auto& x) { return of(x).tests.model_rejected(); });
+  property(c, "drops", "Each drop beside its log.", [of](auto& x) { return of(x).drops; });
+  property(c, "rms", "Residual of each output that was measured, by its name [m/s^2, m or rad].", [of](auto& x) {
+    const tools::FloorFit& found = of(x);
+    std::map<std::string, double> out;
+    for (std::size_t o = 0; o < found.channels.size(); ++o)
+      if (std::isfinite(found.noise[o])) out[found.channels[o].name] = found.rms[o];
+    return out;
+  });
 }
 
 }  // namespace ukemi::python

@@ -90,28 +90,23 @@ void bind_landing_class(py::module_& m) {
   bind_value(contact);
   py::class_<Played> c(m, "Landing", "One landing: released, in flight, through its contacts, to rest.");
   bind_run_end(
-      c, +[](const Played& p) -> const RunEnd& { return p.checked.landing; }, "point");
+      c, [](auto& p) -> auto& { return p.checked.landing; }, "point");
   bind_sensitivity(
-      c, +[](const Played& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
-  c.def_property_readonly(
-       "contacts", [](const Played& p) { return named(p.checked.landing.touches, tools::point_name); },
-       "Every contact, in the order of the touchdowns.")
-      .def_property_readonly(
-          "joint_lost", [](const Played& p) { return p.checked.landing.joint_lost; },
-          "Whether the joint turned right round: the drive has lost it.")
-      .def_property_readonly(
-          "energy_residual", [](const Played& p) { return p.checked.landing.energy_residual; },
-          "Mismatch of the energy check over the energy turned over [1].")
-      .def_property_readonly(
-          "motor_speed", [](const Played& p) { return p.checked.landing.demands.motor_speed; },
-          "Largest |dphi_m| [rad/s].")
-      .def_property_readonly(
-          "motor_torque", [](const Played& p) { return p.checked.landing.demands.motor_torque; },
-          "Largest |tau_mot| [Nm].")
-      .def("__repr__", [](const Played& p) {
-        return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.checked.landing.peak,
-                           p.checked.landing.t_peak, tools::contact_order(p.checked.landing.peaks));
-      });
+      c, [](auto& p) -> auto& { return p.checked.sensitivity; });
+  property(c, "contacts", "Every contact, in the order of the touchdowns.",
+           [](auto& p) { return named(p.checked.landing.touches, tools::point_name); });
+  property(c, "joint_lost", "Whether the joint turned right round: the drive has lost it.",
+           [](auto& p) { return p.checked.landing.joint_lost; });
+  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
+           [](auto& p) { return p.checked.landing.energy_residual; });
+  property(c, "motor_speed", "Largest |dphi_m| [rad/s].",
+           [](auto& p) { return p.checked.landing.demands.motor_speed; });
+  property(c, "motor_torque", "Largest |tau_mot| [Nm].",
+           [](auto& p) { return p.checked.landing.demands.motor_torque; });
+  c.def("__repr__", [](const Played& p) {
+    return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.checked.landing.peak,
+                       p.checked.landing.t_peak, tools::contact_order(p.checked.landing.peaks));
+  });
   bind_figure(
       c,
       [](const Played& p) {
@@ -147,8 +142,7 @@ void bind_landing(py::module_& m) {
       },
       py::arg("scene"), py::arg("actuator"), py::arg("motion"), py::arg("rate") = 1000.0, py::arg("accuracy") = 1e-9,
       "One landing, as `ukemi simulate`. rate: rows of the trajectory a second [Hz]; accuracy: relative tolerance of "
-      "each "
-      "step [1].");
+      "each step [1].");
 }
 
 }  // namespace ukemi::python

@@ -43,32 +43,24 @@ struct NamedTouch : landing::Touch {
 std::vector<NamedTouch> named(const std::vector<landing::Touch>& touches, const tools::PointName& name);
 
 /// Binds peak, end and failure of a run; of(result): the run.
-template <class T, class... Options>
-void bind_run_end(py::class_<T, Options...>& c, const landing::RunEnd& (*of)(const T&), const char* point) {
+template <class T, class Of, class... Options>
+void bind_run_end(py::class_<T, Options...>& c, Of of, const char* point) {
   using landing::RunEnd;
-  c.def_property_readonly(
-       "peak", [of](const T& x) { return of(x).peak; }, "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].")
-      .def_property_readonly(
-          "t_peak", [of](const T& x) { return of(x).t_peak; }, "When, from release [s].")
-      .def_property_readonly(
-          "end", [of](const T& x) { return landing::name(of(x).end); }, "Why the run ended: rest, t_end, failed, ...")
-      .def_property_readonly(
-          "failure",
-          [of, point](const T& x) {
-            return landing::no_landing(of(x).end) ? tools::failure_words(of(x), point) : std::string();
-          },
-          "Why there is no landing; empty where there is one.");
+  property(c, "peak", "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].", [of](auto& x) { return of(x).peak; });
+  property(c, "t_peak", "When, from release [s].", [of](auto& x) { return of(x).t_peak; });
+  property(c, "end", "Why the run ended: rest, t_end, failed, ...", [of](auto& x) { return landing::name(of(x).end); });
+  property(c, "failure", "Why there is no landing; empty where there is one.", [of, point](auto& x) {
+    return landing::no_landing(of(x).end) ? tools::failure_words(of(x), point) : std::string();
+  });
 }
 /// Binds the peak's error estimate and sensitivity, if checked; of(result): the sensitivity.
-template <class T, class... Options>
-void bind_sensitivity(py::class_<T, Options...>& c, const landing::Sensitivity& (*of)(const T&)) {
-  c.def_property_readonly(
-       "error_estimate",
-       [of](const T& x) { return of(x).checked ? std::optional(of(x).error_estimate) : std::nullopt; },
-       "Estimated relative error of the peak [1], or None where it was not looked at.")
-      .def_property_readonly(
-          "sensitive", [of](const T& x) { return of(x).checked ? std::optional(of(x).sensitive) : std::nullopt; },
-          "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.");
+template <class T, class Of, class... Options>
+void bind_sensitivity(py::class_<T, Options...>& c, Of of) {
+  property(c, "error_estimate", "Estimated relative error of the peak [1], or None where it was not looked at.",
+           [of](auto& x) { return of(x).checked ? std::optional(of(x).error_estimate) : std::nullopt; });
+  property(c, "sensitive",
+           "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.",
+           [of](auto& x) { return of(x).checked ? std::optional(of(x).sensitive) : std::nullopt; });
 }
 
 template <>

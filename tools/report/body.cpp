@@ -191,10 +191,9 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   summary["contacts"] = contacts.objects();
   summary["joints"] = joints_json(c.scene, c.motion, l);
   run.add("trajectory.csv", trajectory_csv(c.scene, l, run));
-  run.add("contacts.csv",
-          contacts.csv(run,
-                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, its pad's "
-                       "if it has one. Units: s, N, m/s^2."));
+  run.add("contacts.csv", contacts.csv(run,
+                                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, "
+                                       "its pad's if it has one. Units: s, N, m/s^2."));
   for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   say(table.transposed(), run);
@@ -237,10 +236,8 @@ FirstScreen robot_screen(const BodyScene& scene) {
   if (locked > 0)
     out.checks.push_back({Check::State::kCaution, "free to move", fmt::format("{} joints are locked", locked)});
   if (unrated > 0)
-    out.checks.push_back({Check::State::kUnknown, "rated",
-                          fmt::format("{} drives have no speed_max and no "
-                                      "motor_torque_max",
-                                      unrated)});
+    out.checks.push_back(
+        {Check::State::kUnknown, "rated", fmt::format("{} drives have no speed_max and no motor_torque_max", unrated)});
   out.next = driven > 0 ? "Plan a landing: `ukemi optimize`, of a scene that names this file, or with --height."
                         : "Give a joint a drive: without one there is nothing to plan.";
   return out;

@@ -114,10 +114,10 @@ Json forbidden_touches(const Answer& a, Run& run) {
                            {"sampled", inside},
                            {"samples", t.samples}};
     if (box + inside > 0)
-      run.warn(fmt::format(
-          "the {} touches in {} of the {} motions of the execution box and in {} of {} random ones inside: --forbid "
-          "holds for those {} alone",
-          kPointNames[j], box, kExecutionPoints, inside, t.samples, kExecutionPoints));
+      run.warn(
+          fmt::format("the {} touches in {} of the {} motions of the execution box and in {} of {} random ones inside: "
+                      "--forbid holds for those {} alone",
+                      kPointNames[j], box, kExecutionPoints, inside, t.samples, kExecutionPoints));
   }
   return out;
 }
@@ -149,10 +149,10 @@ void warn_of_deviations(const Answer& a, Run& run) {
         fmt::format("the peak of {:.4g} m/s^2 becomes {}; {} it is {}: half of what the motion saves, or more, is lost",
                     a.peak(), costly, held_words(a), short_peak_words(a.held_peak())));
   if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
-    run.warn(fmt::format(
-        "the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; --evidence "
-        "plays it",
-        Evidence::kLandings, double(a.evidence->work)));
+    run.warn(
+        fmt::format("the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; "
+                    "--evidence plays it",
+                    Evidence::kLandings, double(a.evidence->work)));
 }
 
 void warn(const Answer& a, Run& run) {

@@ -192,8 +192,8 @@ void compare_with_noise(FloorFit& out) {
     if (std::isfinite(out.noise[o]) && out.rms[o] > identify::kFarAboveNoise * out.noise[o]) {
       identify::distrust(out.parameters);
       out.warnings.push_back(
-          fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks "
-                      "something, or no start found the minimum",
+          fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks something, or no "
+                      "start found the minimum",
                       out.channels[o].name, out.rms[o], out.channels[o].unit, out.rms[o] / out.noise[o]));
     }
 }
