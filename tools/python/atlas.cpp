@@ -1,8 +1,6 @@
 // Python bindings of atlases: planning, saving, reading.
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
@@ -166,10 +164,7 @@ class PythonReader {
       : reader_(path, scene, (require_gains(actuator), actuator.sea), options),
         goal_(goal_name(std::uint64_t(options.goal))) {}
   NamedEntry at(const Drop& drop) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
-    const py::gil_scoped_release release;
-    return {reader_.at(drop), goal_};
+    return {alone(mutex_, "reader", [&] { return reader_.at(drop); }), goal_};
   }
 
  private:
@@ -184,12 +179,7 @@ class PythonBodyReader {
   PythonBodyReader(const Path& path, const BodyScene& scene, const AtlasReader::Options& options)
       : scene_(scene), reader_(path, scene, options), goal_(goal_name(std::uint64_t(options.goal))) {}
   py::dict at(const Drop& drop) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
-    const BodyAtlasEntry e = [&] {
-      const py::gil_scoped_release release;
-      return reader_.at(drop);
-    }();
+    const BodyAtlasEntry e = alone(mutex_, "reader", [&] { return reader_.at(drop); });
     py::dict out;
     out["found"] = e.found, out["inside"] = e.inside, out["holds"] = e.holds, out["wrong"] = e.wrong,
     out["goal"] = goal_;

@@ -12,6 +12,7 @@
 #include <future>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -75,6 +76,15 @@ auto long_call(F&& f) {
     if (!exception && PyErr_CheckSignals() != 0) exception.emplace(), stop = true;
   if (exception) throw py::error_already_set(std::move(*exception));
   return result.get();
+}
+
+/// Runs f() without the GIL. Throws where another thread is in such a call: `what`: "planner".
+template <class F>
+auto alone(std::mutex& mutex, const char* what, F&& f) {
+  const std::unique_lock lock(mutex, std::try_to_lock);
+  if (!lock) throw std::runtime_error(std::string("the ") + what + " is asked by another thread already");
+  const py::gil_scoped_release release;
+  return f();
 }
 
 /// Factor of the constants' standard errors under scatter, 0 to 100.

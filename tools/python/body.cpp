@@ -81,17 +81,7 @@ void bind_drop_of_scene(py::class_<BodyScene>& c) {
   property(c, "forward_speed", "At release [m/s].", [](auto& s) { return s.drop.forward_speed; });
   property(c, "pitch", "Angle of the first link at release [rad].", [](auto& s) { return s.drop.pitch; });
   property(c, "pitch_rate", "At release [rad/s].", [](auto& s) { return s.drop.pitch_rate; });
-  c.def(
-      "dropped",
-      [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-         std::optional<double> pitch_rate) {
-        s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-        s.validate();
-        return s;
-      },
-      py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-      py::arg("pitch_rate") = py::none(),
-      "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+  bind_dropped(c, [](const BodyScene& s) { s.validate(); });
 }
 
 void bind_design_numbers(py::class_<BodyScene>& c) {

@@ -85,10 +85,7 @@ struct PlayedBodyDrop {
                     [](const DropChannel& a, const DropChannel& b) { return a.name == b.name; }))
       throw InputError(log.log.file + ": a drop of another robot");
     tools::check_drop_arguments(scene.robot, height ? "height" : nullptr, forward_speed ? "forward_speed" : nullptr);
-    BodyLoggedDrop out{log.log, motions_of(scene, motions), scene.drop};
-    out.thrown.height = height.value_or(scene.drop.height);
-    out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
-    return out;
+    return {log.log, motions_of(scene, motions), dropped(scene.drop, {height, forward_speed})};
   }
 };
 
@@ -110,19 +107,7 @@ void bind_body_drop(py::module_& m) {
   bind_value(c);
 }
 
-/// A calibration with its drops, and validation drops that were not fitted.
-struct BodyCalibrated {
-  BodyCalibratedDrops fitted;
-  std::optional<BodyCalibratedDrops> validation;
-  std::string file;  ///< of the scene; empty: none
-  std::uint64_t seed = 1;
-};
-
-std::vector<BodyLoggedDrop> logged_drops(const std::vector<PlayedBodyDrop>& played, const BodyScene& scene) {
-  std::vector<BodyLoggedDrop> out;
-  for (const PlayedBodyDrop& d : played) out.push_back(d.logged_drop(scene));
-  return out;
-}
+using BodyCalibrated = CalibratedOf<BodyCalibratedDrops>;
 
 enum class Law { kScene, kAsked, kOnly };
 Law law_of(const std::string& text) {
@@ -132,17 +117,14 @@ Law law_of(const std::string& text) {
 BodyCalibrated calibrated(const BodyScene& scene, const std::vector<PlayedBodyDrop>& played,
                           const std::vector<PlayedBodyDrop>& held_out, Law law, BodyCalibrationOptions options) {
   if (law == Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
-  BodyCalibrated out{{logged_drops(played, scene), {}}, {}, {}, options.seed};
-  const std::vector<BodyLoggedDrop> others = logged_drops(held_out, scene);
-  check_drops(scene, out.fitted.drops);
-  if (!others.empty()) check_drops(scene, others);
-  return long_call([&](const std::function<bool()>& stop) {
-    options.monitor.stop = stop;
-    BodyCalibration& c = out.fitted.result = tools::calibrate(scene, out.fitted.drops, options);
-    if (law == Law::kAsked) adopt_best_law(c, out.fitted.drops, options);
-    if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, others, options)};
-    return out;
-  });
+  const auto fit = [&](auto& drops, auto& o) {
+    BodyCalibration c = tools::calibrate(scene, drops, o);
+    if (law == Law::kAsked) adopt_best_law(c, drops, o);
+    return c;
+  };
+  return calibrated_drops<BodyCalibratedDrops>(
+      scene, played, held_out, std::move(options), fit,
+      [](auto& fitted, auto& others, auto& o) { return tools::validate(fitted, others, o); });
 }
 
 /// A tried contact law as a dict.
@@ -172,27 +154,12 @@ void bind_laws(py::class_<BodyCalibrated>& c) {
 }
 
 void bind_body_calibration(py::module_& m) {
-  py::class_<BodyCalibrated> c(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.");
-  bind_estimates(
-      c, [](auto& x) -> auto& { return x.fitted.result; });
-  bind_floor_fit(
-      c, [](auto& x) -> auto& { return x.fitted.result; });
-  bind_profiles(c, [](auto& x) { return x.fitted.result.profiles; });
+  auto c = bind_calibration<BodyCalibrated>(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.",
+                                            [](const BodyCalibrated& x, tools::Run& run) {
+                                              return report(x.file, x.fitted, x.validation, tools::Doubt::kReport, run);
+                                            });
   bind_laws(c);
   property(c, "scene", "The given scene with what was fitted.", [](auto& x) { return x.fitted.result.scene; });
-  property(c, "validation", "The same of drops that were not fitted.",
-           [](auto& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; });
-  c.def("__repr__", [](const BodyCalibrated& x) {
-    return fmt::format("<ukemi.RobotCalibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
-                       x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
-  });
-  bind_value(c);
-  bind_report(
-      c, tools::kCalibrateOutputs,
-      [](const BodyCalibrated& x, tools::Run& run) {
-        return report(x.file, x.fitted, x.validation, tools::Doubt::kReport, run);
-      },
-      [](const BodyCalibrated& x) { return x.seed; });
 }
 
 }  // namespace

@@ -1,9 +1,6 @@
 // Python bindings of plans and risk of robots of links.
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
-
 #include "landing/plan/body_planner.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
@@ -137,10 +134,7 @@ class PythonBodyPlanner {
 
   template <class State>
   BodyAnswer plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
-    const py::gil_scoped_release release;
-    return planner_.plan(state, deadline, seed);
+    return alone(mutex_, "planner", [&] { return planner_.plan(state, deadline, seed); });
   }
   BodyAnswer plan_in_air(double height, const std::map<std::string, std::pair<double, double>>& joints,
                          double forward_speed, double pitch, double pitch_rate, double elapsed,

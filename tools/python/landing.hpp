@@ -15,6 +15,22 @@ struct DropNumbers {
 /// The drop with these changes. Throws InputError for a number out of range.
 landing::Drop dropped(landing::Drop drop, const DropNumbers& numbers);
 
+/// Binds dropped(...), the same scene with another drop; check(scene) throws InputError for one that cannot be.
+template <class Scene, class Check>
+void bind_dropped(py::class_<Scene>& c, Check check) {
+  c.def(
+      "dropped",
+      [check](Scene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
+              std::optional<double> pitch_rate) {
+        s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
+        check(s);
+        return s;
+      },
+      py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
+      py::arg("pitch_rate") = py::none(),
+      "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+}
+
 /// A motion found by a search, with its goal.
 struct PlannedMotion : landing::Motion {
   std::string goal;  ///< name of what was minimised

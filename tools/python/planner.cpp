@@ -1,8 +1,6 @@
 // Python bindings of the planner of a control program.
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "landing/search/planner.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/scatter.hpp"
@@ -29,10 +27,7 @@ class PythonPlanner {
 
   template <class State>
   NamedPlan plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
-    const py::gil_scoped_release release;
-    return {planner_.plan(state, deadline, seed), goal_};
+    return {alone(mutex_, "planner", [&] { return planner_.plan(state, deadline, seed); }), goal_};
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "landing/plan/design_numbers.hpp"
+#include "tools/python/floor_fit.hpp"
 #include "tools/python/landing.hpp"
 #include "tools/study/baselines.hpp"
 
@@ -102,12 +103,8 @@ void bind_result(py::module_& m) {
   property(c, "robot", "The given robot with the fitted constants.", [](auto& r) { return r.fit.robot; });
   property(c, "model_rejected", "Whether the residuals speak against the robot.",
            [](auto& r) { return r.fit.tests.model_rejected(); });
-  property(c, "rms", "Residual of each output that was measured, by its name [its SI unit].", [](auto& r) {
-    std::map<std::string, double> out;
-    for (std::size_t o = 0; o < r.fit.channels.size(); ++o)
-      if (std::isfinite(r.fit.noise[o])) out[r.fit.channels[o].name] = r.fit.rms[o];
-    return out;
-  });
+  property(c, "rms", "Residual of each output that was measured, by its name [its SI unit].",
+           [](auto& r) { return rms_by_output(r.fit); });
   property(c, "baselines",
            "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
            "trials (NaN: fewer than three) [its SI unit].",

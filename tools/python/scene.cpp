@@ -52,21 +52,13 @@ void bind_scene_class(py::module_& m) {
   c.def_readonly("name", &Scene::name, "What it is called.");
   property(c, "verdicts", "How far the calibration that found a constant of the floor may be relied on, by its name.",
            [](auto& s) { return std::map<std::string, std::string>(s.verdicts.begin(), s.verdicts.end()); });
-  c.def(
-       "dropped",
-       [](Scene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-          std::optional<double> pitch_rate) {
-         s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-         if (const auto wrong = release_fault(s)) throw InputError(wrong->key + ": " + wrong->message);
-         return s;
-       },
-       py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-       py::arg("pitch_rate") = py::none(),
-       "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
-      .def("__repr__", [](const Scene& s) {
-        return fmt::format("<ukemi.Scene '{}': {:g} m, {:g} m/s, {:.4g} deg>", s.name, s.drop.height,
-                           s.drop.forward_speed, s.drop.pitch * kDegrees);
-      });
+  bind_dropped(c, [](const Scene& s) {
+    if (const auto wrong = release_fault(s)) throw InputError(wrong->key + ": " + wrong->message);
+  });
+  c.def("__repr__", [](const Scene& s) {
+    return fmt::format("<ukemi.Scene '{}': {:g} m, {:g} m/s, {:.4g} deg>", s.name, s.drop.height, s.drop.forward_speed,
+                       s.drop.pitch * kDegrees);
+  });
   bind_file(c, "a scene file", [](const Scene& s) { return to_toml(s, ""); });
   bind_value(c);
   m.def(
