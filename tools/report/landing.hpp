@@ -63,9 +63,13 @@ void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string
 /// Warns of variables on an edge of their search range.
 void warn_of_edges(const std::vector<landing::Variable>& variables, const landing::Edges& edges, Run& run);
 
-/// A column of a trajectory over time, multiplied by `unit`.
-Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,
-             double unit = 1);
+/// A quantity of a trajectory over time, multiplied by `unit`; `of`: a function or a member of a row.
+template <class Row, class Of>
+Series curve(const std::string& name, const std::vector<Row>& trajectory, Of of, double unit = 1) {
+  Series out{name, {}, {}};
+  for (const Row& s : trajectory) out.x.push_back(s.t), out.y.push_back(std::invoke(of, s) * unit);
+  return out;
+}
 /// Heat map over variables x and y: the smallest peak over all others.
 Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Adds where the floor's constants come from, if the scene says so.
