@@ -10,7 +10,6 @@
 #include <chrono>
 #include <functional>
 #include <future>
-#include <limits>
 #include <map>
 #include <mutex>
 #include <numbers>

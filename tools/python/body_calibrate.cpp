@@ -1,7 +1,6 @@
 // Python bindings of drop logs of robots of links and the calibration of their floor.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <variant>
 
 #include "landing/drops/body_rollout.hpp"

@@ -1,8 +1,6 @@
 // Traits that classes of the Python module share: values, a file, a figure, a report.
 #pragma once
 
-#include <fmt/format.h>
-
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
 #include "tools/python/bind.hpp"

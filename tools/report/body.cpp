@@ -60,20 +60,10 @@ std::string base_words(const Robot& r) {
   return fmt::format("on a rail, {:.4g} deg from level", r.rail_direction * kDegrees);
 }
 
-const Quantities<CheckedBody> kQuantities = {
-    {"", "peak_acceleration", "peak |a| [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
-    {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
-    {"", "error_estimate", "estimated relative error", "{:.1g}",
-     [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
-    {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
-    {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
-    {"", "first_touchdown", "first touchdown [s]", "{:.6f}", [](auto& c) { return number(c.landing.first_touchdown); }},
-    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing.peaks, contact_name(c.scene.robot)); }},
-    {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
-    {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
-    {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
-    {"", "steps", [](auto& c) { return c.landing.work.steps; }},
-};
+const Quantities<CheckedBody> kQuantities =
+    checked_quantities<CheckedBody>("|a|", [](auto& c) { return contact_name(c.scene.robot); },
+                                    {{"", "first_touchdown", "first touchdown [s]", "{:.6f}",
+                                      [](auto& c) { return number(c.landing.first_touchdown); }}});
 
 }  // namespace
 

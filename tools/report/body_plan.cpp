@@ -283,9 +283,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
                   Axes::kLogarithmic);
     } else {
-      report.paragraph(
-          "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
-          "does.");
+      report.paragraph(kNotDrawn);
     }
     robot_tables(scene, report);
     report.write(run);

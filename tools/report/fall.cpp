@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "tools/report/landing.hpp"
 
@@ -181,7 +180,7 @@ void show(const Falls& given, Report& report) {
   const auto without_trajectory = [](const Landing& l) { return l.trajectory.size() < 2; };
   std::erase_if(f.falls, [&](const Fall& fall) { return without_trajectory(*fall.landing); });
   for (Fall& fall : f.falls) std::erase_if(fall.ghosts, without_trajectory);
-  if (f.falls.empty() || f.figures == Falls::Figures::kLeaveOut) return;
+  if (f.falls.empty()) return;
   const double l = f.scene.robot.link_length;
   ShownFalls out{.point = point_name,
                  .symbol = "|ddr_0|",

@@ -27,7 +27,6 @@ struct Falls {
   std::vector<Fall> falls;      ///< the first is the requested one
   std::optional<double> limit;  ///< lower bound of the peak, see landing::TouchdownLimit [m/s^2]
   std::string data;             ///< name of the CSV with the numbers; empty: none
-  enum class Figures { kDraw, kLeaveOut } figures = Figures::kDraw;  ///< and the animation
 };
 
 /// Adds animation and figures. Falls without a trajectory are left out.
