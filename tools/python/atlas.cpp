@@ -147,9 +147,7 @@ void bind_atlas_class(py::module_& m, const char* name, const char* words, const
                            goal_name(atlas.header.goal));
       });
   bind_value(c);
-  bind_report(
-      c, tools::kAtlasOutputs, [](const Plan& p, tools::Run& run) { return report(p.result, run); },
-      [](const Plan& p) { return p.seed; });
+  bind_report(c, tools::kAtlasOutputs, &Plan::seed, [](auto& p, tools::Run& run) { return report(p.result, run); });
 }
 
 /// A reader's entry with the goal's name.

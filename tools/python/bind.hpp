@@ -109,6 +109,12 @@ void column_property(py::class_<T, Options...>& c, const char* name, const std::
       name, [of](const py::object& self) { return view(std::invoke(of, self.cast<const T&>()), self); }, words.c_str());
 }
 
+/// Binds a function that reads a file; read(path).
+template <class Read>
+void bind_reader(py::module_& m, const char* name, const char* words, Read read) {
+  m.def(name, read, py::arg("path"), words);
+}
+
 /// An SVG picture; notebooks show it.
 struct Figure {
   std::string svg;

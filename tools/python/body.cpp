@@ -120,9 +120,7 @@ void bind_robot_scene(py::module_& m) {
                            s.robot.joints.size(), s.robot.mass());
       });
   bind_value(c);
-  bind_report(
-      c, tools::kRobotOutputs, [](const BodyScene& s, tools::Run& run) { return report_robot(s, {}, run); },
-      [](const BodyScene&) { return 1; });
+  bind_report(c, tools::kRobotOutputs, kNoSeed, [](auto& s, tools::Run& run) { return report_robot(s, {}, run); });
 }
 
 void bind_files(py::module_& m) {
@@ -240,10 +238,8 @@ void bind_body_landing(py::module_& m) {
   bind_figure(c, body_figure, "The acceleration that counts [m/s^2] over time [s].");
   bind_trajectory(c);
   bind_value(c);
-  bind_report(
-      c, tools::kSimulateOutputs,
-      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_landing(p.checked, p.rate), {}, run); },
-      [](const BodyPlayed&) { return 1; });
+  bind_report(c, tools::kSimulateOutputs, kNoSeed,
+              [](auto& p, tools::Run& run) { return report(p.checked, held_landing(p.checked, p.rate), {}, run); });
 }
 
 }  // namespace

@@ -74,13 +74,10 @@ void bind_body_comparison(py::module_& m) {
                        x.comparison.complete ? "" : ", incomplete");
   });
   bind_value(c);
-  bind_report(
-      c, tools::kCompareOutputs,
-      [](const BodyCompared& x, tools::Run& run) {
-        const PerSet<BodyScene>& scenes = x.comparison.scenes;
-        return report(x.comparison, {words_of(scenes[0]), words_of(scenes[1])}, run);
-      },
-      [](const BodyCompared& x) { return x.seed; });
+  bind_report(c, tools::kCompareOutputs, &BodyCompared::seed, [](auto& x, tools::Run& run) {
+    const PerSet<BodyScene>& scenes = x.comparison.scenes;
+    return report(x.comparison, {words_of(scenes[0]), words_of(scenes[1])}, run);
+  });
 }
 
 }  // namespace

@@ -57,9 +57,7 @@ void bind_body_survey(py::module_& m) {
     return fmt::format("<ukemi.RobotMap: {} landings, {} basins>", x.survey.map.grid.size(), x.survey.basins.size());
   });
   bind_value(c);
-  bind_report(
-      c, tools::kMapOutputs, [](const BodyMap& x, tools::Run& run) { return report(x.survey, run); },
-      [](const BodyMap& x) { return x.seed; });
+  bind_report(c, tools::kMapOutputs, &BodyMap::seed, [](auto& x, tools::Run& run) { return report(x.survey, run); });
 }
 
 /// Varied variables by name, or with their numbers of points.

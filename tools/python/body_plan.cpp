@@ -67,9 +67,8 @@ void bind_body_optimum(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, tools::kOptimizeOutputs,
-      [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); },
-      [](const BodyOptimum& o) { return o.options.seed; });
+      c, tools::kOptimizeOutputs, [](auto& o) { return o.options.seed; },
+      [](auto& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); });
 }
 
 }  // namespace
@@ -249,9 +248,8 @@ void bind_body_risk(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, tools::kRiskOutputs,
-      [](const BodyRiskResult& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); },
-      [](const BodyRiskResult& r) { return r.options.seed; });
+      c, tools::kRiskOutputs, [](auto& r) { return r.options.seed; },
+      [](auto& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); });
   m.def(
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,

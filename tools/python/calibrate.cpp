@@ -81,8 +81,7 @@ void bind_logs(py::module_& m) {
         c, kOutputNames[o], fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]),
         [o](auto& d) -> auto& { return d.output[o]; });
   bind_value(c);
-  m.def(
-      "read_drop", [](const Path& path) { return read_drop(path); }, py::arg("path"), "Reads a log of a drop (CSV).");
+  bind_reader(m, "read_drop", "Reads a log of a drop (CSV).", [](const Path& path) { return read_drop(path); });
 }
 
 void bind_drop(py::module_& m) {

@@ -132,9 +132,8 @@ void bind_actuator(py::module_& m) {
       });
   bind_file(c, "an actuator file", [](const Actuator& a) { return to_toml(a); });
   bind_value(c);
-  m.def(
-      "read_actuator", [](const Path& path) { return read_actuator(path); }, py::arg("path"),
-      "Reads an actuator file (TOML).");
+  bind_reader(m, "read_actuator", "Reads an actuator file (TOML).",
+              [](const Path& path) { return read_actuator(path); });
 }
 
 }  // namespace

@@ -64,10 +64,8 @@ void bind_comparison(py::module_& m) {
   property(c, "complete", "Whether every rollout, search and landing worked out.",
            [](auto& r) { return r.comparison.complete; });
   bind_value(c);
-  bind_report(
-      c, tools::kCompareOutputs,
-      [](const ComparisonResult& r, tools::Run& run) { return report(r.comparison, {}, run); },
-      [](const ComparisonResult& r) { return r.seed; });
+  bind_report(c, tools::kCompareOutputs, &ComparisonResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.comparison, {}, run); });
 }
 
 std::optional<tools::RigTrials> measured_of(const std::vector<identify::Trial>& trials,

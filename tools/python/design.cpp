@@ -61,12 +61,11 @@ void bind_design_class(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, tools::kDesignOutputs,
-      [](const DesignResult& r, tools::Run& run) {
+      c, tools::kDesignOutputs, [](auto& r) { return r.question.options.seed; },
+      [](auto& r, tools::Run& run) {
         for (const std::string& doubt : design_doubts(r.question)) run.warn(doubt);
         return report(r.question, r.answer, tools::Json::object(), run);
-      },
-      [](const DesignResult& r) { return r.question.options.seed; });
+      });
 }
 
 DesignOptions options_of(double peak, const std::pair<double, double>& width, double angle, int hits,

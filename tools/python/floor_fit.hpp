@@ -70,7 +70,8 @@ py::class_<T> bind_calibration(py::module_& m, const char* name, const char* wor
                        fit(x).trusted() ? ", trusted" : "");
   });
   bind_value(c);
-  bind_report(c, tools::kCalibrateOutputs, report, [](auto& x) { return x.seed; });
+  bind_report(
+      c, tools::kCalibrateOutputs, [](auto& x) { return x.seed; }, report);
   return c;
 }
 

@@ -115,12 +115,9 @@ void bind_landing_class(py::module_& m) {
       "|ddr_0| [m/s^2] over time [s].");
   bind_trajectory(c);
   bind_value(c);
-  bind_report(
-      c, tools::kSimulateOutputs,
-      [](const Played& p, tools::Run& run) {
-        return report(p.checked, p.actuator, held_landing(p.checked, p.actuator.sea, p.rate), {}, run);
-      },
-      [](const Played&) { return 1; });
+  bind_report(c, tools::kSimulateOutputs, kNoSeed, [](auto& p, tools::Run& run) {
+    return report(p.checked, p.actuator, held_landing(p.checked, p.actuator.sea, p.rate), {}, run);
+  });
 }
 
 }  // namespace

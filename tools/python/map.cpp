@@ -74,9 +74,8 @@ void bind_survey(py::module_& m) {
       c, [](auto& r) -> auto& { return r.survey; });
   property(c, "basins", "The distinct basins, the best first.", [](auto& r) { return r.survey.basins; });
   bind_value(c);
-  bind_report(
-      c, tools::kMapOutputs, [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },
-      [](const SurveyResult& r) { return r.seed; });
+  bind_report(c, tools::kMapOutputs, &SurveyResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.survey, run); });
 }
 
 void bind_map_call(py::module_& m) {
@@ -157,9 +156,8 @@ void bind_ratings(py::module_& m) {
   py::class_<RatingsResult> c(m, "Ratings", "What speed buys: the best peaks against the motor's ratings.");
   c.def_readonly("plans", &RatingsResult::plans, "Every torque at every speed, speeds first; each a RatedPlan.");
   bind_value(c);
-  bind_report(
-      c, tools::kRatingsOutputs, [](const RatingsResult& r, tools::Run& run) { return report(r.scene, r.plans, run); },
-      [](const RatingsResult& r) { return r.seed; });
+  bind_report(c, tools::kRatingsOutputs, &RatingsResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.scene, r.plans, run); });
   m.def(
       "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),
       py::arg("motor_torques") = py::none(), py::arg("evaluations") = py::none(), py::arg("seed") = 1,

@@ -131,8 +131,8 @@ void bind_answer(py::module_& m) {
   bind_landings(c);
   bind_value(c);
   bind_report(
-      c, tools::kOptimizeOutputs, [](const Answer& a, tools::Run& run) { return report(a, a.options.rate, {}, run); },
-      [](const Answer& a) { return a.options.search.seed; });
+      c, tools::kOptimizeOutputs, [](auto& a) { return a.options.search.seed; },
+      [](auto& a, tools::Run& run) { return report(a, a.options.rate, {}, run); });
 }
 
 }  // namespace

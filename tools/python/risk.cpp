@@ -62,9 +62,7 @@ void bind_risk(py::module_& m) {
     return "<ukemi.Risk: " + tools::distribution_words(r.study.risk.peaks) + " m/s^2>";
   });
   bind_value(c);
-  bind_report(
-      c, tools::kRiskOutputs, [](const RiskResult& r, tools::Run& run) { return report(r.study, run); },
-      [](const RiskResult& r) { return r.seed; });
+  bind_report(c, tools::kRiskOutputs, &RiskResult::seed, [](auto& r, tools::Run& run) { return report(r.study, run); });
   m.def(
       "risk",
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, const std::optional<std::string>& scatter,

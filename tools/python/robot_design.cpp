@@ -46,9 +46,7 @@ void bind_robot_design_class(py::module_& m) {
                            d.candidates.size(), name(d.criterion), d.size_after, d.size_before);
       });
   bind_value(c);
-  bind_report(
-      c, tools::kDesignOutputs, [](const RobotDesign& d, tools::Run& run) { return report(d, run); },
-      [](const RobotDesign&) { return std::uint64_t(1); });
+  bind_report(c, tools::kDesignOutputs, kNoSeed, [](auto& d, tools::Run& run) { return report(d, run); });
 }
 
 }  // namespace

@@ -53,9 +53,8 @@ void bind_robot(py::module_& m) {
     return fmt::format("<ukemi.DrivenRobot {} of {} links>", r.scene.name, r.scene.robot.links.size());
   });
   bind_value(c);
-  m.def(
-      "read_driven_robot", [](const Path& path) { return tools::read_driven_robot(path); }, py::arg("path"),
-      "Reads a robot, or a scene that has one, with its [command].");
+  bind_reader(m, "read_driven_robot", "Reads a robot, or a scene that has one, with its [command].",
+              [](const Path& path) { return tools::read_driven_robot(path); });
 }
 
 void bind_trials_of(py::module_& m) {

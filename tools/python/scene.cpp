@@ -61,8 +61,7 @@ void bind_scene_class(py::module_& m) {
   });
   bind_file(c, "a scene file", [](const Scene& s) { return to_toml(s, ""); });
   bind_value(c);
-  m.def(
-      "read_scene", [](const Path& path) { return read_scene(path); }, py::arg("path"), "Reads a scene file (TOML).");
+  bind_reader(m, "read_scene", "Reads a scene file (TOML).", [](const Path& path) { return read_scene(path); });
 }
 
 void bind_motion(py::module_& m) {
@@ -101,9 +100,8 @@ void bind_motion(py::module_& m) {
         return fmt::format("<ukemi.PlannedMotion {}; {}>", tools::motion_words(x), minimised(x.goal, x.value));
       });
   bind_value(planned);
-  m.def(
-      "read_motion", [](const Path& path) { return read_motion(path); }, py::arg("path"),
-      "Reads a motion file: TOML, or the rows of a motion.csv.");
+  bind_reader(m, "read_motion", "Reads a motion file: TOML, or the rows of a motion.csv.",
+              [](const Path& path) { return read_motion(path); });
   m.def("motion_deg", &motion_of_degrees, py::arg("phi_i_deg"), py::arg("phi_f_deg"), py::arg("duration"),
         py::arg("bumps_deg") = std::vector<double>{}, py::arg("gain_p") = 1.0, py::arg("gain_d") = 1.0,
         "A Motion of angles in degrees [deg]; else as its constructor.");

@@ -98,8 +98,8 @@ void bind_trade(py::module_& m) {
   });
   bind_value(c);
   bind_report(
-      c, tools::kTradeOutputs, [](const TradeResult& r, tools::Run& run) { return report(r, run); },
-      [](const TradeResult& r) { return r.search.seed; });
+      c, tools::kTradeOutputs, [](auto& r) { return r.search.seed; },
+      [](auto& r, tools::Run& run) { return report(r, run); });
   m.def(
       "trade",
       [](const BodyScene& scene, const py::dict& vary, std::uint64_t seed, const std::string& objective,

@@ -104,8 +104,7 @@ void bind_rig(py::module_& m) {
       .def_readonly("errors", &Rig::errors, "Of what it states.")
       .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
   bind_value(c);
-  m.def(
-      "read_rig", [](const Path& path) { return read_rig(path); }, py::arg("path"), "Reads a rig file (TOML).");
+  bind_reader(m, "read_rig", "Reads a rig file (TOML).", [](const Path& path) { return read_rig(path); });
 }
 
 void bind_trial(py::module_& m) {
