@@ -50,32 +50,6 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
   return out;
 }
 
-}  // namespace
-
-py::dict loads_of_scene(const BodyScene& scene) {
-  py::dict out;
-  for (const Load& l : scene.loads) {
-    py::dict load;
-    load["kind"] = name(l.kind), load["of"] = place_of(l, scene.robot), load["rating"] = l.rating;
-    load["unit"] = unit(l.kind), load["limit"] = l.limit;
-    out[l.name.c_str()] = load;
-  }
-  return out;
-}
-py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
-  py::dict out = loads_of_scene(scene);
-  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
-  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
-    const Load& l = scene.loads[i];
-    py::object load = out[l.name.c_str()];
-    load["value"] = peaks[i].value, load["t"] = peaks[i].t;
-    load["ratio"] = l.rating > 0 ? py::cast(peaks[i].value / l.rating) : py::none();
-  }
-  return out;
-}
-
-namespace {
-
 void bind_drop_of_scene(py::class_<BodyScene>& c) {
   property(c, "height", "Clearance of the lowest contact at release [m].", [](auto& s) { return s.drop.height; });
   property(c, "forward_speed", "At release [m/s].", [](auto& s) { return s.drop.forward_speed; });
@@ -243,6 +217,28 @@ void bind_body_landing(py::module_& m) {
 }
 
 }  // namespace
+
+py::dict loads_of_scene(const BodyScene& scene) {
+  py::dict out;
+  for (const Load& l : scene.loads) {
+    py::dict load;
+    load["kind"] = name(l.kind), load["of"] = place_of(l, scene.robot), load["rating"] = l.rating;
+    load["unit"] = unit(l.kind), load["limit"] = l.limit;
+    out[l.name.c_str()] = load;
+  }
+  return out;
+}
+py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
+  py::dict out = loads_of_scene(scene);
+  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const Load& l = scene.loads[i];
+    py::object load = out[l.name.c_str()];
+    load["value"] = peaks[i].value, load["t"] = peaks[i].t;
+    load["ratio"] = l.rating > 0 ? py::cast(peaks[i].value / l.rating) : py::none();
+  }
+  return out;
+}
 
 void bind_body(py::module_& m) {
   bind_robot_scene(m), bind_files(m), bind_body_landing(m);

@@ -71,28 +71,6 @@ void bind_body_optimum(py::module_& m) {
       [](auto& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); });
 }
 
-}  // namespace
-
-BodyScene with_limits(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
-  forbid(scene, forbidden);
-  if (ratings) (void)respect_ratings(scene);
-  return scene;
-}
-BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const std::string& objective,
-                             std::optional<long> evaluations, const std::optional<std::string>& robust,
-                             const std::optional<std::string>& scatter, double inflate, long samples, int threads) {
-  BodyPlanOptions out;
-  out.goal = goal_of(objective), out.evaluations = evaluations;
-  if (robust) out.measure = Measure::parse("robust", *robust);
-  out.scatter = parsed_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
-  out.seed = seed, out.threads = threads;
-  out.validate();
-  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // throws for what this base lacks
-  return out;
-}
-
-namespace {
-
 BodyOptimum planned(const BodyScene& scene, BodyPlanOptions options) {
   options.validate();
   return long_call([&](const std::function<bool()>& stop) {
@@ -274,6 +252,24 @@ void bind_body_risk(py::module_& m) {
 }
 
 }  // namespace
+
+BodyScene with_limits(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
+  forbid(scene, forbidden);
+  if (ratings) (void)respect_ratings(scene);
+  return scene;
+}
+BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const std::string& objective,
+                             std::optional<long> evaluations, const std::optional<std::string>& robust,
+                             const std::optional<std::string>& scatter, double inflate, long samples, int threads) {
+  BodyPlanOptions out;
+  out.goal = goal_of(objective), out.evaluations = evaluations;
+  if (robust) out.measure = Measure::parse("robust", *robust);
+  out.scatter = parsed_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
+  out.seed = seed, out.threads = threads;
+  out.validate();
+  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // throws for what this base lacks
+  return out;
+}
 
 void bind_body_plan(py::module_& m) {
   bind_body_optimum(m), bind_body_optimize(m), bind_body_planner(m), bind_body_risk(m);

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/program/arguments.hpp"
 #include "tools/python/landing.hpp"
 #include "tools/report/design.hpp"
 

@@ -93,6 +93,19 @@ Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double 
   return out;
 }
 
+std::vector<std::size_t> frames_of(const BodyLanding& l) {
+  std::vector<double> acc, force;
+  for (const BodySample& s : l.trajectory) {
+    acc.push_back(s.acc);
+    double sum = 0;
+    for (const double f : s.force_y) sum += f;
+    force.push_back(sum);
+  }
+  return kept_rows({&acc, &force}, kMaxFrames);
+}
+
+Json place_json(const landing::Place& p) { return {p.along, p.across}; }
+
 }  // namespace
 
 Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
@@ -109,23 +122,6 @@ Json animation(const std::string& name, const Landing& landing, const std::vecto
                                         column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
   return out;
 }
-
-namespace {
-
-std::vector<std::size_t> frames_of(const BodyLanding& l) {
-  std::vector<double> acc, force;
-  for (const BodySample& s : l.trajectory) {
-    acc.push_back(s.acc);
-    double sum = 0;
-    for (const double f : s.force_y) sum += f;
-    force.push_back(sum);
-  }
-  return kept_rows({&acc, &force}, kMaxFrames);
-}
-
-Json place_json(const landing::Place& p) { return {p.along, p.across}; }
-
-}  // namespace
 
 Json animation(const std::string& name, const BodyScene& scene, const BodyLanding& landing) {
   const Robot& robot = scene.robot;

@@ -33,12 +33,6 @@ std::string errors_in_words(const FloorFit& c) {
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 
-FitTexts texts_of(const CalibratedDrops& c) {
-  FitTexts out{c.result, {}};
-  for (const LoggedDrop& d : c.drops) out.logs.push_back(&d.log);
-  return out;
-}
-
 /// Share of an output's used samples within the fit's 95 % band; NaN where there is no band.
 double within_band(const FitTexts& c, std::size_t output) {
   double count = 0, within = 0;

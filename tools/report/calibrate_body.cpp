@@ -11,12 +11,6 @@ using namespace landing;
 
 namespace {
 
-FitTexts texts_of(const BodyCalibratedDrops& c) {
-  FitTexts out{c.result, {}};
-  for (const BodyLoggedDrop& d : c.drops) out.logs.push_back(&d.log);
-  return out;
-}
-
 Quantities<TriedLaw> law_quantities() {
   return {
       {"", "law", "law", {}, [](auto& t) { return words(t.law); }},

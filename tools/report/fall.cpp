@@ -77,29 +77,6 @@ Figure fall_picture(Panel postures, Figure acceleration) {
   return out;
 }
 
-}  // namespace
-
-void show(const ShownFalls& all, Report& report) {
-  report.heading("The fall");
-  Json landings = Json::array();
-  for (const ShownFall& f : all.falls) landings.push_back(f.animation);
-  report.player({{"landings", landings}});
-  if (all.ghosts > 0) report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", all.ghosts));
-  Figure postures;
-  postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
-  for (const ShownFall& f : all.falls)
-    if (!contact_peaks(f.peaks).empty()) postures.panels.push_back(postures_of(all, f));
-  postures.caption = "The robot at the acceleration peaks, with the contact that began each" + all.posture_words + ".";
-  report.figure(postures);
-  report.figure(acceleration(all, all.falls.size()));
-  if (!contact_peaks(all.falls[0].peaks).empty())
-    report.figure(fall_picture(postures_of(all, all.falls[0]), acceleration(all, 1)));
-  for (const Figure& detail : all.details) report.figure(detail);
-  if (!all.data.empty()) report.paragraph("The numbers of these figures: " + all.data + ".");
-}
-
-namespace {
-
 Figure components(const Fall& f) {
   Figure out =
       over_time("components", "ddr_0 [m/s^2]",
@@ -144,22 +121,6 @@ Figure energy(const Falls& f) {
   return out;
 }
 
-}  // namespace
-
-double link_energy(const Scene& scene, const Sample& s) {
-  const TwoLinkDynamics<double> d(scene.robot);
-  const double theta1 = s.phi0 + s.phi1, k = d.k1 * d.a;
-  Pose<double> p{};
-  p.s0 = std::sin(s.phi0), p.c0 = std::cos(s.phi0), p.s1 = std::sin(theta1), p.c1 = std::cos(theta1);
-  p.omega0 = s.dphi0, p.omega1 = s.dphi0 + s.dphi1;
-  // r_0 = r + k (-(s0 + s1), c0 + c1) with the common centre of mass r, see thigh_position.
-  p.x = s.x0 + k * (p.s0 + p.s1), p.y = s.y0 - k * (p.c0 + p.c1);
-  p.vx = s.dx0 + k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy = s.dy0 + k * (p.omega0 * p.s0 + p.omega1 * p.s1);
-  return kinetic_energy(d, p) + d.total_mass * d.gravity * p.y;
-}
-
-namespace {
-
 /// Draws thigh and shank.
 void add_links(Panel& panel, const Sample& s, double length, double x) {
   const double theta[] = {s.phi0, s.phi0 + s.phi1}, half = length / 2;
@@ -174,6 +135,37 @@ void add_links(Panel& panel, const Sample& s, double length, double x) {
 }
 
 }  // namespace
+
+void show(const ShownFalls& all, Report& report) {
+  report.heading("The fall");
+  Json landings = Json::array();
+  for (const ShownFall& f : all.falls) landings.push_back(f.animation);
+  report.player({{"landings", landings}});
+  if (all.ghosts > 0) report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", all.ghosts));
+  Figure postures;
+  postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
+  for (const ShownFall& f : all.falls)
+    if (!contact_peaks(f.peaks).empty()) postures.panels.push_back(postures_of(all, f));
+  postures.caption = "The robot at the acceleration peaks, with the contact that began each" + all.posture_words + ".";
+  report.figure(postures);
+  report.figure(acceleration(all, all.falls.size()));
+  if (!contact_peaks(all.falls[0].peaks).empty())
+    report.figure(fall_picture(postures_of(all, all.falls[0]), acceleration(all, 1)));
+  for (const Figure& detail : all.details) report.figure(detail);
+  if (!all.data.empty()) report.paragraph("The numbers of these figures: " + all.data + ".");
+}
+
+double link_energy(const Scene& scene, const Sample& s) {
+  const TwoLinkDynamics<double> d(scene.robot);
+  const double theta1 = s.phi0 + s.phi1, k = d.k1 * d.a;
+  Pose<double> p{};
+  p.s0 = std::sin(s.phi0), p.c0 = std::cos(s.phi0), p.s1 = std::sin(theta1), p.c1 = std::cos(theta1);
+  p.omega0 = s.dphi0, p.omega1 = s.dphi0 + s.dphi1;
+  // r_0 = r + k (-(s0 + s1), c0 + c1) with the common centre of mass r, see thigh_position.
+  p.x = s.x0 + k * (p.s0 + p.s1), p.y = s.y0 - k * (p.c0 + p.c1);
+  p.vx = s.dx0 + k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy = s.dy0 + k * (p.omega0 * p.s0 + p.omega1 * p.s1);
+  return kinetic_energy(d, p) + d.total_mass * d.gravity * p.y;
+}
 
 void show(const Falls& given, Report& report) {
   Falls f = given;

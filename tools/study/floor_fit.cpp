@@ -198,6 +198,14 @@ void compare_with_noise(FloorFit& out) {
     }
 }
 
+/// The result of a drop that could not be simulated.
+DropResult not_simulated(const DropLog& log) {
+  DropResult out{.file = log.file};
+  out.value.resize(log.output.size()), out.used.resize(log.output.size());
+  out.rms.assign(log.output.size(), std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
 }  // namespace
 
 void CalibrationOptions::validate() const {
@@ -256,18 +264,6 @@ void check_logs(const DropSimulator& drops) {
                                                log.t.back(), touchdown));
   }
 }
-
-namespace {
-
-/// The result of a drop that could not be simulated.
-DropResult not_simulated(const DropLog& log) {
-  DropResult out{.file = log.file};
-  out.value.resize(log.output.size()), out.used.resize(log.output.size());
-  out.rms.assign(log.output.size(), std::numeric_limits<double>::quiet_NaN());
-  return out;
-}
-
-}  // namespace
 
 FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options) {
   options.validate();

@@ -168,19 +168,6 @@ std::vector<std::size_t> cut(const std::vector<double>& t, double length, const 
   return out;
 }
 
-}  // namespace
-
-std::vector<DropChannel> sensed_channels(const Robot& robot) {
-  std::vector<DropChannel> out;
-  for (const MeasuredColumn& c : measured_columns(robot)) {
-    const bool jumps = c.unit == "m/s^2" || c.unit == "N";
-    out.push_back({c.name, c.unit, jumps});
-  }
-  return out;
-}
-
-namespace {
-
 /// Notes gaps of missing rows, over which commands are held and nothing is measured.
 void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
   constexpr double kGap = 3;  // median steps
@@ -222,6 +209,15 @@ void note_unread_forces(const CsvTable& table, const ColumnMap& map, std::vector
 }
 
 }  // namespace
+
+std::vector<DropChannel> sensed_channels(const Robot& robot) {
+  std::vector<DropChannel> out;
+  for (const MeasuredColumn& c : measured_columns(robot)) {
+    const bool jumps = c.unit == "m/s^2" || c.unit == "N";
+    out.push_back({c.name, c.unit, jumps});
+  }
+  return out;
+}
 
 std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
   constexpr double kSmall = 0.2, kLarge = 1e3;  // plausible range of the sum of the largest forces over the weight
