@@ -159,13 +159,7 @@ void bind_trajectory(py::class_<BodyPlayed>& c) {
       {"acc_y", {&BodySample::acc_y, "Its upward component [m/s^2]."}},
       {"energy", {&BodySample::energy, "Of the links [J]."}}};
   for (const auto& [name, what] : columns)
-    c.def_property_readonly(
-        name,
-        [at = what.first](const py::object& self) {
-          const std::vector<BodySample>& rows = self.cast<const BodyPlayed&>().checked.landing.trajectory;
-          return view(rows.empty() ? nullptr : &(rows.front().*at), rows.size(), sizeof(BodySample), self);
-        },
-        what.second);
+    row_property(c, name, what.second, [member = what.first](auto& s) { return &(s.*member); });
   const auto links = +[](const Robot& r) { return names_of(r.links); };
   const auto joints = +[](const Robot& r) { return names_of(r.joints); };
   const auto contacts = +[](const Robot& r) { return names_of(r.contacts); };

@@ -42,15 +42,6 @@ std::vector<NamedTouch> named(const std::vector<Touch>& touches, const tools::Po
 namespace {
 
 void bind_trajectory(py::class_<Played>& c) {
-  const auto add = [&](const char* name, auto address, const char* words) {
-    c.def_property_readonly(
-        name,
-        [address](const py::object& self) {
-          const std::vector<Sample>& rows = self.cast<const Played&>().checked.landing.trajectory;
-          return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(Sample), self);
-        },
-        words);
-  };
   const std::pair<const char*, std::pair<double Sample::*, const char*>> columns[] = {
       {"t", {&Sample::t, "Times from release [s]; an event has two rows, its left and right limits."}},
       {"x_0", {&Sample::x0, "Thigh's centre of mass, forward [m]."}},
@@ -69,14 +60,12 @@ void bind_trajectory(py::class_<Played>& c) {
       {"tau_sea", {&Sample::tau_sea, "Torque of the spring [Nm]."}},
       {"phi_ref", {&Sample::phi_ref, "Reference [rad]."}}};
   for (const auto& [name, what] : columns)
-    add(
-        name, [member = what.first](const Sample& s) { return &(s.*member); }, what.second);
+    row_property(c, name, what.second, [member = what.first](auto& s) { return &(s.*member); });
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
     for (const int axis : {0, 1})
-      add(
-          fmt::format("f_{}_{}", kPointNames[j], "xy"[axis]).c_str(),
-          [j, axis](const Sample& s) { return s.force[j].data() + axis; },
-          fmt::format("Force of the floor on the {}, {} [N].", kPointNames[j], axis == 0 ? "forward" : "up").c_str());
+      row_property(c, fmt::format("f_{}_{}", kPointNames[j], "xy"[axis]).c_str(),
+                   fmt::format("Force of the floor on the {}, {} [N].", kPointNames[j], axis == 0 ? "forward" : "up"),
+                   [j, axis](auto& s) { return s.force[j].data() + axis; });
 }
 
 void bind_landing_class(py::module_& m) {

@@ -52,6 +52,18 @@ std::array<bool, landing::kPoints> points_of(const std::vector<std::string>& nam
 /// The goal of a name: peak, tolerant.
 landing::Goal goal_of(const std::string& text);
 
+/// Binds a column of the rows of a landing's trajectory, shown without a copy; address(row): of its number.
+template <class T, class Address, class... Options>
+void row_property(py::class_<T, Options...>& c, const char* name, const std::string& words, Address address) {
+  c.def_property_readonly(
+      name,
+      [address](const py::object& self) {
+        const auto& rows = self.cast<const T&>().checked.landing.trajectory;
+        return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(rows[0]), self);
+      },
+      words.c_str());
+}
+
 /// A contact with the name of its point.
 struct NamedTouch : landing::Touch {
   std::string name;
