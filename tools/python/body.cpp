@@ -185,20 +185,14 @@ Figure body_figure(const BodyPlayed& p) {
 
 void bind_body_landing(py::module_& m) {
   py::class_<BodyPlayed> c(m, "RobotLanding", "One landing of a robot of links, from release to rest.");
-  bind_run_end(
-      c, [](auto& p) -> auto& { return p.checked.landing; }, "contact");
-  bind_sensitivity(
-      c, [](auto& p) -> auto& { return p.checked.sensitivity; });
-  property(c, "contacts", "Every contact, in the order of the touchdowns.",
-           [](auto& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); });
+  bind_checked(
+      c, [](auto& p) { return tools::contact_name(p.checked.scene.robot); }, "contact");
   property(c, "motions", "What was played: a Motion of each driven joint by its name.",
            [](auto& p) { return by_joint(p.checked.scene.robot, p.checked.motion); });
   property(c, "loads",
            "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
            "what RobotScene.loads has.",
            [](auto& p) { return loads_of_landing(p.checked.scene, p.checked.landing); });
-  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
-           [](auto& p) { return p.checked.landing.energy_residual; });
   c.def("__repr__", [](const BodyPlayed& p) {
     return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
                        p.checked.landing.t_peak);

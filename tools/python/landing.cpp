@@ -78,16 +78,10 @@ void bind_landing_class(py::module_& m) {
                     "Largest acceleration that counts from this touchdown to the next of any point [m/s^2].");
   bind_value(contact);
   py::class_<Played> c(m, "Landing", "One landing: released, in flight, through its contacts, to rest.");
-  bind_run_end(
-      c, [](auto& p) -> auto& { return p.checked.landing; }, "point");
-  bind_sensitivity(
-      c, [](auto& p) -> auto& { return p.checked.sensitivity; });
-  property(c, "contacts", "Every contact, in the order of the touchdowns.",
-           [](auto& p) { return named(p.checked.landing.touches, tools::point_name); });
+  bind_checked(
+      c, [](auto&) { return tools::point_name; }, "point");
   property(c, "joint_lost", "Whether the joint turned right round: the drive has lost it.",
            [](auto& p) { return p.checked.landing.joint_lost; });
-  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
-           [](auto& p) { return p.checked.landing.energy_residual; });
   property(c, "motor_speed", "Largest |dphi_m| [rad/s].",
            [](auto& p) { return p.checked.landing.demands.motor_speed; });
   property(c, "motor_torque", "Largest |tau_mot| [Nm].",

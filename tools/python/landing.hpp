@@ -70,25 +70,33 @@ struct NamedTouch : landing::Touch {
 };
 std::vector<NamedTouch> named(const std::vector<landing::Touch>& touches, const tools::PointName& name);
 
-/// Binds peak, end and failure of a run; of(result): the run.
-template <class T, class Of, class... Options>
-void bind_run_end(py::class_<T, Options...>& c, Of of, const char* point) {
-  using landing::RunEnd;
-  property(c, "peak", "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].", [of](auto& x) { return of(x).peak; });
-  property(c, "t_peak", "When, from release [s].", [of](auto& x) { return of(x).t_peak; });
-  property(c, "end", "Why the run ended: rest, t_end, failed, ...", [of](auto& x) { return landing::name(of(x).end); });
-  property(c, "failure", "Why there is no landing; empty where there is one.", [of, point](auto& x) {
-    return landing::no_landing(of(x).end) ? tools::failure_words(of(x), point) : std::string();
+/// Binds what every landing tells; name(x): the names of its points, which messages call `point`.
+template <class T, class Name, class... Options>
+void bind_checked(py::class_<T, Options...>& c, Name name, const char* point) {
+  property(c, "peak", "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].",
+           [](auto& x) { return x.checked.landing.peak; });
+  property(c, "t_peak", "When, from release [s].", [](auto& x) { return x.checked.landing.t_peak; });
+  property(c, "end", "Why the run ended: rest, t_end, failed, ...",
+           [](auto& x) { return landing::name(x.checked.landing.end); });
+  property(c, "failure", "Why there is no landing; empty where there is one.", [point](auto& x) {
+    const landing::RunEnd& run = x.checked.landing;
+    return landing::no_landing(run.end) ? tools::failure_words(run, point) : std::string();
   });
-}
-/// Binds the peak's error estimate and sensitivity, if checked; of(result): the sensitivity.
-template <class T, class Of, class... Options>
-void bind_sensitivity(py::class_<T, Options...>& c, Of of) {
+  const auto checked = [](auto member) {
+    return [member](const T& x) {
+      const landing::Sensitivity& s = x.checked.sensitivity;
+      return s.checked ? std::optional(s.*member) : std::nullopt;
+    };
+  };
   property(c, "error_estimate", "Estimated relative error of the peak [1], or None where it was not looked at.",
-           [of](auto& x) { return of(x).checked ? std::optional(of(x).error_estimate) : std::nullopt; });
+           checked(&landing::Sensitivity::error_estimate));
   property(c, "sensitive",
            "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.",
-           [of](auto& x) { return of(x).checked ? std::optional(of(x).sensitive) : std::nullopt; });
+           checked(&landing::Sensitivity::sensitive));
+  property(c, "contacts", "Every contact, in the order of the touchdowns.",
+           [name](auto& x) { return named(x.checked.landing.touches, name(x)); });
+  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
+           [](auto& x) { return x.checked.landing.energy_residual; });
 }
 
 template <>
