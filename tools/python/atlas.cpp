@@ -216,7 +216,7 @@ void bind_body_reader(py::module_& m) {
           "(the goal at this very drop [m/s^2]), goal and wrong.");
 }
 
-void bind_reader(py::module_& m) {
+void bind_atlas_reader(py::module_& m) {
   py::class_<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
   property(entry, "found", "Whether there is a motion.", [](auto& e) { return e.entry.found; });
   property(entry, "inside",
@@ -268,7 +268,7 @@ void bind_atlas(py::module_& m) {
                               "The motion of a drop by its indices along the axes, or None.");
   bind_atlas_class<BodyAtlasPlan>(m, "RobotAtlas", "The same of a robot of links.",
                                   "The motions of a drop, by joint, by its indices along the axes, or None.");
-  bind_reader(m), bind_body_reader(m);
+  bind_atlas_reader(m), bind_body_reader(m);
   m.def(
       "atlas",
       [](const Scene& scene, const Actuator& actuator, const Axis& height, const Axis& forward_speed, const Axis& pitch,
