@@ -1,7 +1,5 @@
 #include "landing/atlas/atlas_reader.hpp"
 
-#include <cmath>
-
 #include "landing/atlas/atlas_table.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/release.hpp"

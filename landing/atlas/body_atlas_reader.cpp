@@ -1,7 +1,5 @@
 #include "landing/atlas/body_atlas_reader.hpp"
 
-#include <cmath>
-
 #include "common/error.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/atlas/atlas_table.hpp"

@@ -1,7 +1,6 @@
 // One landing of a robot of links from event to event. Included only by files that compile kernels.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 #include "landing/body/body_course.hpp"

@@ -17,6 +17,13 @@ std::pair<double, double> motor_demand(const System& s, int i, double t, const t
   return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(motor_torque_at(s, i, t, y))};
 }
 
+/// Rotates from the floor's frame to the true one.
+struct ToLevel {
+  explicit ToLevel(double slope) : c(std::cos(slope)), s(std::sin(slope)) {}
+  Vec2<double> operator()(const Vec2<double>& v) const { return {c * v.x() - s * v.y(), s * v.x() + c * v.y()}; }
+  double c, s;
+};
+
 /// Collects touches, peaks, demands, the energy check and the trajectory.
 template <class System, bool kReport>
 class BodyRecorder {
@@ -85,10 +92,7 @@ class BodyRecorder {
 
   /// A trajectory row, in the true frame (the floor's is rotated by the slope).
   BodySample sample(const System& s, double t, const State& y) const {
-    const double c = std::cos(scene_.slope), sn = std::sin(scene_.slope);
-    const auto level = [&](const Vec2<double>& v) {
-      return Vec2<double>(c * v.x() - sn * v.y(), sn * v.x() + c * v.y());
-    };
+    const ToLevel level(scene_.slope);
     const auto p = s.pose(y);
     const State dy = s.derivative(t, y);
     BodySample out{};

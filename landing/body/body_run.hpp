@@ -3,7 +3,6 @@
 
 #include <array>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "landing/body/body_scene.hpp"

@@ -2,9 +2,7 @@
 // of references come from events. Included only by body_follow.hpp.
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 #include "landing/body/body_record.hpp"

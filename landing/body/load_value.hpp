@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <utility>
 
 #include "landing/body/body_scene.hpp"
 #include "landing/body/body_system.hpp"

@@ -146,8 +146,8 @@ void Robot::validate() const {
   link_index("peak_link", peak_link), check("peak", peak);
   if (has_late_drive(*this) && !fits_late_kernel(*this))
     throw InputError(
-        fmt::format("control_delay, velocity_filter: with a drive that is late a robot has at most {} links, "
-                    "{} joints, {} contacts and ends of stops",
+        fmt::format("control_delay, velocity_filter: with a drive that is late a robot has at most {} links, {} "
+                    "joints, {} contacts and ends of stops",
                     kMaxLateLinks, kMaxLateJoints, kMaxLateContacts));
 }
 

@@ -1,7 +1,6 @@
 // The local maxima of the peak acceleration and of every load, with derivatives. Included only by gradient_kernel.cpp.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 
 #include "common/force_curve.hpp"
 #include "landing/body/body_system.hpp"

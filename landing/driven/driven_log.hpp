@@ -3,10 +3,8 @@
 
 #include <array>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "landing/body/sensors.hpp"

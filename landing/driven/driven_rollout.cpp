@@ -1,7 +1,6 @@
 #include "landing/driven/driven_rollout.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/error.hpp"
 #include "landing/body/body_system.hpp"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "common/csv.hpp"
 #include "common/integrate/tableaus.hpp"
 #include "landing/body/body_follow.hpp"
 
@@ -43,7 +42,7 @@ class BodySampler {
   using State = typename System::State;
 
   BodySampler(const BodyScene& scene, BodyLanding&, const Sampling& sampling)
-      : slope_(scene.slope), sampling_(sampling) {}
+      : slope_(scene.slope), level_(scene.slope), sampling_(sampling) {}
 
   void start(const System&, const State&) {}
   void jump() {}
@@ -65,14 +64,14 @@ class BodySampler {
   void sample(const System& s, double t, const State& y) {
     const auto p = s.pose(y);
     const auto acc = s.accelerations_of(s.derivative(t, y));
-    const Vec2<double> a = level(acceleration(s.body.peak, p, acc, s.body.bodies));
+    const Vec2<double> a = level_(acceleration(s.body.peak, p, acc, s.body.bodies));
     for (std::size_t c = 0; c < sampling_.channels.size(); ++c)
       sampling_.out.value[c].push_back(value(sampling_.channels[c], s, y, p, a));
   }
   double value(const BodyChannel& c, const System& s, const State& y, const typename System::Pose& p,
                const Vec2<double>& a) const {
     const auto k = std::size_t(c.index);
-    const auto origin = [&] { return level(position(s.body.origin[k], p, s.body.bodies)); };
+    const auto origin = [&] { return level_(position(s.body.origin[k], p, s.body.bodies)); };
     switch (c.kind) {
       case BodyChannel::Kind::kAcc:
         return a.norm();
@@ -92,13 +91,9 @@ class BodySampler {
     }
     return 0;
   }
-  /// Rotates from the floor's frame to the true one.
-  Vec2<double> level(const Vec2<double>& v) const {
-    const double c = std::cos(slope_), n = std::sin(slope_);
-    return {c * v.x() - n * v.y(), n * v.x() + c * v.y()};
-  }
 
   double slope_;
+  ToLevel level_;
   Sampling sampling_;
   std::size_t next_ = 0;
 };
@@ -116,9 +111,7 @@ BodyLanding follow(const BodyScene& scene, const BodyMotion& motion, const Simul
 BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const std::vector<BodyChannel>& channels,
                       const std::vector<double>& times, const SimulateOptions& options) {
   validate(scene.robot, motion), options.validate();
-  for (std::size_t i = 0; i < times.size(); ++i)
-    if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
-      throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
+  check_drop_times(times);
   BodyRollout out;
   out.value.resize(channels.size());
   if (times.empty()) return out.complete = true, out;

@@ -4,7 +4,6 @@
 // times are reported. Tests: test/legs/drops.cpp.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "landing/body/body_run.hpp"

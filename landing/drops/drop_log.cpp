@@ -106,9 +106,9 @@ DropLog read_drop(const std::string& path, const std::vector<DropChannel>& chann
   for (double& s : t) s *= find(table.header[std::size_t(time)])->unit;
   table.require_increasing(time, t);
   if (t.front() >= kLongestGap)
-    throw InputError(table.at(time, 0), fmt::format("column 't': {} s: time counts from the release, t = 0: less than "
-                                                    "{:g} s is needed",
-                                                    shortest(t.front()), kLongestGap));
+    throw InputError(table.at(time, 0),
+                     fmt::format("column 't': {} s: time counts from the release, t = 0: less than {:g} s is needed",
+                                 shortest(t.front()), kLongestGap));
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (t[i] < 0) {
       ++log.before_release;
@@ -120,10 +120,10 @@ DropLog read_drop(const std::string& path, const std::vector<DropChannel>& chann
       const auto c = std::size_t(column_of[o]);
       const double value = table.columns[c][i] * find(table.header[c])->unit;
       if (channels[o].unit == "rad" && std::abs(value) > 2 * std::numbers::pi)
-        throw InputError(table.at(int(c), i),
-                         fmt::format("column {}: {}: an angle beyond 2 pi rad; are these degrees? then name the column "
-                                     "{}_deg",
-                                     quoted(table.header[c]), shortest(table.columns[c][i]), channels[o].name));
+        throw InputError(
+            table.at(int(c), i),
+            fmt::format("column {}: {}: an angle beyond 2 pi rad; are these degrees? then name the column {}_deg",
+                        quoted(table.header[c]), shortest(table.columns[c][i]), channels[o].name));
       log.output[o].push_back(value);
     }
   }

@@ -93,13 +93,17 @@ DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Mot
 
 }  // namespace
 
+void check_drop_times(const std::vector<double>& times) {
+  for (std::size_t i = 0; i < times.size(); ++i)
+    if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
+      throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
+}
+
 DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                       const std::vector<double>& times, const SimulateOptions& options) {
   validate(scene, sea, motion), options.validate();
   if (times.empty()) return {.complete = true};
-  for (std::size_t i = 0; i < times.size(); ++i)
-    if (!(std::isfinite(times[i]) && times[i] >= (i > 0 ? times[i - 1] : 0)))
-      throw InputError("times: " + shortest(times[i]) + " s: finite times that do not decrease, from 0 on, are needed");
+  check_drop_times(times);
   Scene drop_scene = scene;
   drop_scene.t_end = times.back();
   SimulateOptions drop_options = options;

@@ -46,6 +46,9 @@ struct DropRollout {
   long steps = 0;                                          ///< accepted or rejected
 };
 
+/// Throws InputError for times that are not finite, below 0 or decrease.
+void check_drop_times(const std::vector<double>& times);
+
 /// The drop at `times` [s from release], nonnegative and not decreasing; at an event's time the left limit. Uses of the
 /// options accuracy, max_step, max_steps and over; ignores the scene's t_end. Derivatives by the constants of an absent
 /// floor are 0. A failed run is reported in `status`. Throws InputError as peak_acceleration, and for invalid times.

@@ -1,8 +1,6 @@
 // The physical limit of a drop: the smallest peak that any reference can reach.
 #pragma once
 
-#include <functional>
-
 #include "common/sea.hpp"
 #include "landing/model/scene.hpp"
 

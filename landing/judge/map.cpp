@@ -89,24 +89,6 @@ PeakMap empty_map(const std::vector<Variable>& variables, const MapOptions& opti
   return map;
 }
 
-}  // namespace
-
-std::vector<std::size_t> local_minima(const PeakMap& map) {
-  std::vector<std::size_t> minima;
-  for (std::size_t i = 0; i < map.grid.size(); ++i) {
-    const double here = map.grid[i].peak;
-    if (!std::isfinite(here)) continue;
-    const auto neighbours = map.neighbours(i);
-    if (std::none_of(neighbours.begin(), neighbours.end(), [&](std::size_t n) { return map.grid[n].peak < here; }))
-      minima.push_back(i);
-  }
-  std::stable_sort(minima.begin(), minima.end(),
-                   [&](std::size_t a, std::size_t b) { return map.grid[a].peak < map.grid[b].peak; });
-  return minima;
-}
-
-namespace {
-
 /// Differential evolution from one cell of the grid down into its basin.
 Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& map, const PeakMap::Place& cell,
                   const MapOptions& options, std::uint64_t n) {
@@ -139,6 +121,20 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
 }
 
 }  // namespace
+
+std::vector<std::size_t> local_minima(const PeakMap& map) {
+  std::vector<std::size_t> minima;
+  for (std::size_t i = 0; i < map.grid.size(); ++i) {
+    const double here = map.grid[i].peak;
+    if (!std::isfinite(here)) continue;
+    const auto neighbours = map.neighbours(i);
+    if (std::none_of(neighbours.begin(), neighbours.end(), [&](std::size_t n) { return map.grid[n].peak < here; }))
+      minima.push_back(i);
+  }
+  std::stable_sort(minima.begin(), minima.end(),
+                   [&](std::size_t a, std::size_t b) { return map.grid[a].peak < map.grid[b].peak; });
+  return minima;
+}
 
 PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
                   const PlayCells& play) {

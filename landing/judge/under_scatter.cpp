@@ -5,6 +5,7 @@
 
 #include "common/checks.hpp"
 #include "common/error.hpp"
+#include "landing/judge/refined_minimum.hpp"
 #include "landing/run/simulate.hpp"
 #include "landing/scatter/sampler.hpp"
 
@@ -109,23 +110,16 @@ UnderScatter under_scatter(const DropModel& model, const MotionSpace& space, con
   }
   const auto held = [&](double phi) { return DrivenMotion{holding(phi, planned.motion), planned.sea}; };
   out.held = distribution(player.peaks({kHeld, planned.sea}, drops, limits));
-  // The best posture: on a grid, then between the neighbours of the best.
-  constexpr int kGrid = 25, kRounds = 2;
   constexpr std::size_t kPostureDrops = 128;
   const auto first_drops =
       std::span(drops).first(std::min(kPostureDrops, drops.size()));  // of measured ones there may be fewer
-  auto [low, high] = model.scene().search.phi;
-  double best = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kRounds; ++round) {
-    const double step = (high - low) / (kGrid - 1);
-    const double from = low;
-    for (int i = 0; i < kGrid && !player.stopped(); ++i) {
-      std::vector<double> of_posture = player.peaks(held(from + step * i), first_drops, limits);
-      const double value = options.measure.of(of_posture);
-      if (value < best) best = value, out.posture_phi = from + step * i;
-    }
-    low = std::max(low, out.posture_phi - step), high = std::min(high, out.posture_phi + step);
-  }
+  const auto [low, high] = model.scene().search.phi;
+  constexpr int kOneByOne = 1;  // each plays its drops by all threads
+  out.posture_phi = refined_minimum(low, high, {.points = 25, .rounds = 2, .reach = 1}, kOneByOne, [&](double phi) {
+                      if (player.stopped()) return std::numeric_limits<double>::infinity();
+                      std::vector<double> of_posture = player.peaks(held(phi), first_drops, limits);
+                      return options.measure.of(of_posture);
+                    }).phi;
   std::vector<double> of_posture = player.peaks(held(out.posture_phi), drops, limits);
   out.posture = distribution(of_posture), out.posture_value = options.measure.of(of_posture);
   out.complete = !player.stopped();

@@ -3,9 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
-#include <type_traits>
 
 #include "common/sea.hpp"
 #include "landing/model/motion_data.hpp"

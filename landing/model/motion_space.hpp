@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "common/actuator.hpp"

@@ -68,6 +68,11 @@ class MotionQueue : public BodyBatchSource {
   std::array<Valuation*, kMaxLanes> in_lane_{};
 };
 
+BodyScene end_at_limit(BodyScene scene) {
+  scene.ends_broken = true;
+  return scene;
+}
+
 }  // namespace
 
 void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int threads,
@@ -81,14 +86,6 @@ void play(std::span<Valuation> motions, const Robot& robot, double accuracy, int
                    fastest_instruction_set(2 * motions.size() / std::size_t(parts)));
   });
 }
-
-namespace {
-
-BodyScene end_at_limit(BodyScene scene) {
-  scene.ends_broken = true;
-  return scene;
-}
-}  // namespace
 
 BodyGoal nominal_drop(const BodyScene& scene) {
   return {{Measure::Kind::kWorst}, {{end_at_limit(scene), std::vector<BodyDrop::Joint>(scene.robot.joints.size())}}};

@@ -1,7 +1,5 @@
 #include "landing/plan/body_least_breaking.hpp"
 
-#include <algorithm>
-
 #include "landing/body/load.hpp"
 #include "landing/plan/body_drops.hpp"
 

@@ -30,7 +30,7 @@ Candidate descend_from(const BodyScene& scene, const BodySpace& space, const Coo
                        const MapOptions& options, std::uint64_t n) {
   constexpr int kPoints = 14;
   constexpr long kMotions = 1500;
-  constexpr double kWidth = 0.05, kConverged = 1e-4, kBound = 1.3;
+  constexpr double kWidth = 0.05, kConverged = 1e-4;
   const Candidate start{from};
   Candidate best = start;
   Random random(options.seed, n);
@@ -42,11 +42,8 @@ Candidate descend_from(const BodyScene& scene, const BodySpace& space, const Coo
     if (options.monitor.stopped()) return start;
     distribution.sample(random, points);
     for (Candidate& p : points) p.value = worth_of(scene, space.motion(p.u), bound, options.monitor);
-    std::sort(points.begin(), points.end());
+    bound = distribution.update(points);
     best = std::min(best, points[0]);
-    const double median = points[kPoints / 2].value;
-    bound = median < kNoMotion ? kBound * median : kNoMotion;  // worse points have no weight in the update
-    distribution.update(points);
   }
   Candidate out;
   for (Candidate p : {start, best}) {

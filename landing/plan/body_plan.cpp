@@ -335,7 +335,7 @@ class BodySearch {
   }
   /// Covariance matrix adaptation from a start until it has converged, stalls or lags behind the best.
   void run_cma(const Candidate& start, double size, const StopRule& stop) {
-    constexpr double kBound = 1.3, kSlack = 0.6, kDecay = 0.97;  // of the slack, a generation
+    constexpr double kSlack = 0.6, kDecay = 0.97;  // of the slack, a generation
     constexpr int kFree = 8, kPoints = 14;
     const int patience = 10 + 2 * space_.dimension();
     CovarianceAdaptation distribution;
@@ -348,11 +348,8 @@ class BodySearch {
       for (Candidate& p : points) p.bound = bound;
       evaluate(points);
       if (over()) break;
-      std::sort(points.begin(), points.end());
+      bound = distribution.update(points);
       if (points[0] < best) best = points[0];
-      const double median = points[kPoints / 2].value;
-      bound = median < kNoMotion ? kBound * median : kNoMotion;  // worse points have no weight in the update
-      distribution.update(points);
       stalled = best.value < milestone * (1 - stop.min_gain) ? 0 : stalled + 1;
       if (stalled == 0) milestone = best.value;
       if (n > kFree && best.value > lowest_by_contact_.lowest(best) * (1 + kSlack * std::pow(kDecay, n - kFree))) break;

@@ -1,7 +1,6 @@
 #include "landing/plan/body_risk.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "common/checks.hpp"

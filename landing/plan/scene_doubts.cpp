@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/degrees_doubt.hpp"

@@ -54,7 +54,7 @@ class TradePlanner {
   /// Gives an unplanned design a motion, accepted where it is better and keeps the limits.
   void add_start(std::size_t k, const BodyMotion& motion, const Edges& edges) {
     if (out_.points[k].plans > 0 || motion.empty()) return;
-    if (const double v = value(k, motion); v < std::min(kNoMotion, out_.points[k].planned)) accept(k, motion, v, edges);
+    if (const double v = value(k, motion); v < out_.points[k].planned) accept(k, motion, v, edges);
   }
 
   void run() {
@@ -130,7 +130,7 @@ class TradePlanner {
         if (options_.monitor.stopped()) return false;
         const TradePoint& other = out_.points[i];
         const double v = value(k, other.motion);
-        if (!(v < std::min(kNoMotion, out_.points[k].planned * (1 - kMinGain)))) continue;
+        if (!(v < out_.points[k].planned * (1 - kMinGain))) continue;
         improved = true;
         accept(k, other.motion, v, other.edges);
         search(k, {i}, kReplanShare);

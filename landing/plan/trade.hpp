@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,15 +17,14 @@ struct TradeAxis {
 /// A design and its values of the plans' goal [m/s^2]; kNoMotion or more: a landing could not be followed, the limits
 /// are not kept, or the trade was stopped before.
 struct TradePoint {
-  static constexpr double kNone = std::numeric_limits<double>::infinity();
-  std::vector<double> at;    ///< the value of each axis
-  double held = kNone;       ///< of the held posture
-  double unchanged = kNone;  ///< of the middle design's motion
-  double planned = kNone;    ///< of `motion`
-  double peak = kNone;       ///< of `motion`, in the scene's own drop
-  BodyMotion motion;         ///< the best for this design; the held posture where nothing was better
-  Edges edges{};             ///< edges of the ranges on which `motion` lies
-  int plans = 0;             ///< finished ones of kPlans: its own, then one from its neighbours' motions
+  std::vector<double> at;        ///< the value of each axis
+  double held = kNoMotion;       ///< of the held posture
+  double unchanged = kNoMotion;  ///< of the middle design's motion
+  double planned = kNoMotion;    ///< of `motion`
+  double peak = kNoMotion;       ///< of `motion`, in the scene's own drop
+  BodyMotion motion;             ///< the best for this design; the held posture where nothing was better
+  Edges edges{};                 ///< edges of the ranges on which `motion` lies
+  int plans = 0;                 ///< finished ones of kPlans: its own, then one from its neighbours' motions
   static constexpr int kPlans = 2;
   bool found() const { return !motion.empty(); }
 };

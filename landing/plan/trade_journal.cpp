@@ -1,6 +1,5 @@
 #include "landing/plan/trade_journal.hpp"
 
-#include <algorithm>
 #include <cstring>
 
 #include "landing/model/motion.hpp"

@@ -1,7 +1,6 @@
 // Records the touches of a landing of any robot, and the peaks between them.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

@@ -58,6 +58,19 @@ ScatteredDrop drop_of(const DropNumbers& n, const Scene& scene, const SeaParamet
   return out;
 }
 
+/// Throws InputError for an unread column whose name is a known one misspelt or without its unit: the scene's number
+/// would silently be used. Short names are not compared.
+void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& known) {
+  constexpr std::size_t kShort = 4;
+  std::vector<std::string> missing;
+  for (const std::string& name : known)
+    if (table.find(name) < 0 && name.size() > kShort) missing.push_back(name);
+  const auto other = [&](const std::string& column) {
+    return column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end();
+  };
+  for (const auto& [c, similar] : table.near_misses(other, missing)) table.refuse_unread(c, similar);
+}
+
 }  // namespace
 
 DropNumbers numbers(const ScatteredDrop& d, const SeaParameters<double>& sea) {
@@ -93,23 +106,6 @@ std::vector<DropColumn> scattered_columns(std::span<const ScatteredDrop> drops, 
   }
   return out;
 }
-
-namespace {
-
-/// Throws InputError for an unread column whose name is a known one misspelt or without its unit: the scene's number
-/// would silently be used. Short names are not compared.
-void refuse_near_misses(const CsvTable& table, const std::vector<std::string>& known) {
-  constexpr std::size_t kShort = 4;
-  std::vector<std::string> missing;
-  for (const std::string& name : known)
-    if (table.find(name) < 0 && name.size() > kShort) missing.push_back(name);
-  const auto other = [&](const std::string& column) {
-    return column.size() <= kShort || std::find(known.begin(), known.end(), column) != known.end();
-  };
-  for (const auto& [c, similar] : table.near_misses(other, missing)) table.refuse_unread(c, similar);
-}
-
-}  // namespace
 
 void read_drop_rows(const std::string& path, const std::vector<ReadColumn>& columns,
                     const std::function<void(std::size_t rows)>& begin) {

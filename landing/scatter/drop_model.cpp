@@ -21,6 +21,11 @@ Reposition held_until_touchdown(double phi, double rate) {
   return {phi, rate, kNever, kNever};
 }
 
+DrivenMotion released(const ScatteredDrop& d, const DrivenMotion& p) {
+  return {released_beside(p.motion, d.phi, d.rate), moved(p.sea, d.constants)};
+}
+bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
+
 }  // namespace
 
 SeaParameters<double> moved(SeaParameters<double> sea, std::span<const double> deviation) {
@@ -52,15 +57,6 @@ Motion released_beside(Motion m, double phi, double rate) {
     m.phi_i += phi;
   return m;
 }
-
-namespace {
-
-DrivenMotion released(const ScatteredDrop& d, const DrivenMotion& p) {
-  return {released_beside(p.motion, d.phi, d.rate), moved(p.sea, d.constants)};
-}
-bool exact(const Deviation& d) { return d.phi_i == 0 && d.phi_f == 0 && d.duration == 0; }
-
-}  // namespace
 
 DrivenMotion ScatteredDrop::played(const MotionSpace& space, const DrivenMotion& planned) const {
   return released(*this, exact(deviation) ? planned : space.inexact(planned, scene.execution, deviation));

@@ -27,7 +27,8 @@ void CovarianceAdaptation::sample(Random& random, std::span<Candidate> points) c
   }
 }
 
-void CovarianceAdaptation::update(std::span<const Candidate> sorted) {
+double CovarianceAdaptation::update(std::span<Candidate> points) {
+  std::sort(points.begin(), points.end());
   const double n = double(mean_.size()), mu = mu_eff_;
   const double c_sigma = (mu + 2) / (n + mu + 5), c_c = (4 + mu / n) / (n + 4 + 2 * mu / n),
                c_1 = 2 / ((n + 1.3) * (n + 1.3) + mu),
@@ -36,7 +37,7 @@ void CovarianceAdaptation::update(std::span<const Candidate> sorted) {
                expected_norm = std::sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n * n));  // E|N(0, I)|
   const Coordinates old_mean = mean_;
   mean_.setZero();
-  for (int i = 0; i < int(weights_.size()); ++i) mean_ += weights_[i] * sorted[std::size_t(i)].u;
+  for (int i = 0; i < int(weights_.size()); ++i) mean_ += weights_[i] * points[std::size_t(i)].u;
   const Coordinates step = (mean_ - old_mean) / sigma_;
   p_sigma_ = (1 - c_sigma) * p_sigma_ +
              std::sqrt(c_sigma * (2 - c_sigma) * mu) * (b_ * (b_.transpose() * step).cwiseQuotient(d_));
@@ -48,13 +49,16 @@ void CovarianceAdaptation::update(std::span<const Candidate> sorted) {
   const double variance_loss = stalled ? c_1 * c_c * (2 - c_c) : 0;
   c_ = (1 - c_1 - c_mu + variance_loss) * c_ + c_1 * p_c_ * p_c_.transpose();
   for (int i = 0; i < int(weights_.size()); ++i) {
-    const Coordinates y = (sorted[std::size_t(i)].u - old_mean) / sigma_;
+    const Coordinates y = (points[std::size_t(i)].u - old_mean) / sigma_;
     c_ += c_mu * weights_[i] * y * y.transpose();
   }
   sigma_ *= std::exp(std::min(1.0, c_sigma / damping * (norm / expected_norm - 1)));
   Eigen::SelfAdjointEigenSolver<Matrix> eigen(c_);
   b_ = eigen.eigenvectors();
   d_ = eigen.eigenvalues().cwiseMax(1e-20).cwiseSqrt();
+  constexpr double kSlack = 1.3;
+  const double median = points[points.size() / 2].value;
+  return median < kNoMotion ? kSlack * median : kNoMotion;
 }
 
 }  // namespace ukemi::landing

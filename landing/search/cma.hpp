@@ -19,8 +19,9 @@ class CovarianceAdaptation {
   void start(const Coordinates& mean, double sigma, int lambda);
   /// Draws a generation; sets u alone.
   void sample(Random& random, std::span<Candidate> points) const;
-  /// Updates the distribution from a generation, the best first.
-  void update(std::span<const Candidate> sorted);
+  /// Sorts a generation, the best first, and updates the distribution from it. Returns a value above which a point of
+  /// the next generation is likely to have no weight.
+  double update(std::span<Candidate> points);
   /// The largest standard deviation, as a fraction of the cube.
   double largest_deviation() const { return sigma_ * d_.maxCoeff(); }
 

@@ -50,8 +50,7 @@ void covariance_adaptation(Search& search) {
       std::fill(points.begin(), points.end(), search.centre());
       distribution.sample(r, points);
       search.evaluate(points);
-      std::sort(points.begin(), points.end());
-      distribution.update(points);
+      (void)distribution.update(points);
     }
   }
 }

@@ -56,6 +56,35 @@ double objective_callback(unsigned n, const double* x, double*, void* data) {
   }
 }
 
+struct EpigraphRun {
+  const EpigraphProblem* problem;
+  nlopt_opt opt;
+  std::exception_ptr error;
+};
+
+double epigraph_objective(unsigned n, const double* x, double* gradient, void*) {
+  if (gradient) std::fill(gradient, gradient + n - 1, 0), gradient[n - 1] = 1;
+  return x[n - 1];
+}
+
+void epigraph_constraints(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* data) {
+  EpigraphRun& run = *static_cast<EpigraphRun*>(data);
+  try {
+    std::vector<double> d(std::size_t(m) * (n - 1));
+    if (!run.problem->peaks(x, result, d.data())) nlopt_force_stop(run.opt);
+    for (unsigned k = 0; k < m; ++k) {
+      result[k] -= x[n - 1];
+      if (!gradient) continue;
+      std::copy_n(&d[std::size_t(k) * (n - 1)], n - 1, gradient + k * n);
+      gradient[k * n + n - 1] = -1;
+    }
+  } catch (...) {
+    run.error = std::current_exception();
+    std::fill(result, result + m, 0.0);
+    nlopt_force_stop(run.opt);
+  }
+}
+
 }  // namespace
 
 const std::vector<std::string>& nlopt_names() {
@@ -96,39 +125,6 @@ NloptResult minimize(const std::string& algorithm, const NloptProblem& problem, 
   if (run.error) std::rethrow_exception(run.error);
   return run.best;
 }
-
-namespace {
-
-struct EpigraphRun {
-  const EpigraphProblem* problem;
-  nlopt_opt opt;
-  std::exception_ptr error;
-};
-
-double epigraph_objective(unsigned n, const double* x, double* gradient, void*) {
-  if (gradient) std::fill(gradient, gradient + n - 1, 0), gradient[n - 1] = 1;
-  return x[n - 1];
-}
-
-void epigraph_constraints(unsigned m, double* result, unsigned n, const double* x, double* gradient, void* data) {
-  EpigraphRun& run = *static_cast<EpigraphRun*>(data);
-  try {
-    std::vector<double> d(std::size_t(m) * (n - 1));
-    if (!run.problem->peaks(x, result, d.data())) nlopt_force_stop(run.opt);
-    for (unsigned k = 0; k < m; ++k) {
-      result[k] -= x[n - 1];
-      if (!gradient) continue;
-      std::copy_n(&d[std::size_t(k) * (n - 1)], n - 1, gradient + k * n);
-      gradient[k * n + n - 1] = -1;
-    }
-  } catch (...) {
-    run.error = std::current_exception();
-    std::fill(result, result + m, 0.0);
-    nlopt_force_stop(run.opt);
-  }
-}
-
-}  // namespace
 
 int minimize_epigraph(const EpigraphProblem& problem, double x_tolerance) {
   constexpr int kMaxEvaluations = 500;  // a line search on a kink may not end

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "common/stopwatch.hpp"
 #include "landing/lanes/batch.hpp"

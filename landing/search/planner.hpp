@@ -1,7 +1,6 @@
 // The search for a robot's control program: repeated plans, each by a deadline.
 #pragma once
 
-#include <array>
 #include <memory>
 #include <optional>
 #include <span>

@@ -1,7 +1,6 @@
 #include "landing/search/tolerant_peak.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "common/parallel.hpp"
 #include "common/random.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "landing/model/motion_space.hpp"
 #include "landing/run/simulate.hpp"

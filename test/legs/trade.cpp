@@ -211,7 +211,7 @@ TEST_CASE("legs: a front falls, each of its motions keeps the limit, and its end
     const Front front = pareto(scene, cost, limited, 4, options);
     REQUIRE(front.trade.points.size() == 4);
     CHECK(front.trade.axes[0].name == std::string("load.") + limited + ".rating");
-    double before = TradePoint::kNone;
+    double before = kNoMotion;
     for (const TradePoint& p : front.trade.points) {
       REQUIRE(p.found());
       CHECK(p.planned <= before * (1 + 1e-6));

@@ -179,11 +179,10 @@ int bench_identify(const BenchArguments& a, const CommonOptions& common) {
       "Simulated logs (Table 2 is the truth), {} noise draws of 0.2 mrad, each fit from Table 2's constants.",
       a.draws));
   report.plot("precision", "time of a fit [ms]", "error of the derivatives", plot, Axes::kLogarithmic);
-  const Json rungs =
-      add_table(Table(kEntryQuantities, entries), report, run, "identify.csv",
-                "Over noise draws (0.2 mrad): bias and scatter of the fitted constants, the largest over the "
-                "five, relative; bias_z in standard errors of one fit; derivative_error: of d phi / d ln U, "
-                "relative to the largest; time_ms of a fit, median.");
+  const Json rungs = add_table(Table(kEntryQuantities, entries), report, run, "identify.csv",
+                               "Over noise draws (0.2 mrad): bias and scatter of the fitted constants, the largest "
+                               "over the five, relative; bias_z in standard errors of one fit; derivative_error: of d "
+                               "phi / d ln U, relative to the largest; time_ms of a fit, median.");
   const Entry& best = *std::min_element(entries.begin(), entries.end(), [](const Entry& x, const Entry& y) {
     return std::pair(-x.trials, x.derivative_error) < std::pair(-y.trials, y.derivative_error);
   });

@@ -287,12 +287,11 @@ int bench_integrators(const BenchArguments& a, const CommonOptions& common) {
     run.say(""), run.say(fmt::format("{} ({})", b.name, b.reference));
     summary[b.name] = add_table(Table(kEntryQuantities, entries), report, run);
   }
-  run.add("integrators.csv",
-          Table(kEntryQuantities, all)
-              .csv(run,
-                   "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors are the largest "
-                   "over the scene's cases: peak relative, touchdown [s], state [m, rad]; rhs, events and time a case, "
-                   "the time a median."));
+  run.add("integrators.csv", Table(kEntryQuantities, all)
+                                 .csv(run,
+                                      "setting: the step [s] of semi_implicit_euler and rk4, else the accuracy. Errors "
+                                      "are the largest over the scene's cases: peak relative, touchdown [s], state [m, "
+                                      "rad]; rhs, events and time a case, the time a median."));
   report.answer(first_screen(all), run.warnings());
   report.write(run);
   return run.finish(summary, kDone);

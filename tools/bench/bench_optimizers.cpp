@@ -219,10 +219,10 @@ int bench_optimizers(const BenchArguments& arguments, const CommonOptions& commo
   add_files(run, searches, plan, gaps, best);
 
   Report report("Solvers");
-  report.paragraph(fmt::format(
-      "Gap to the best known of ten scenes: for each scene the median over {} seeds, then the median over the scenes "
-      "(in brackets the largest); one core's own time, verification included.",
-      arguments.seeds));
+  report.paragraph(
+      fmt::format("Gap to the best known of ten scenes: for each scene the median over {} seeds, then the median over "
+                  "the scenes (in brackets the largest); one core's own time, verification included.",
+                  arguments.seeds));
   Json summary;
   for (std::size_t goal = 0; goal < kGoalNames.size(); ++goal)
     summary[kGoalNames[goal]] = show_goal(goal, plan, gaps, report, run);

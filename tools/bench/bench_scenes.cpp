@@ -100,8 +100,7 @@ std::optional<double> instructions(const std::string& only) {
   self[n] = 0;
   const std::string command = fmt::format(
       "valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect='*ukemi_bench_side*' '{}' bench "
-      "scenes "
-      "--only '{}' --quiet -o '{}' 2>&1 >/dev/null",
+      "scenes --only '{}' --quiet -o '{}' 2>&1 >/dev/null",
       self, only, (std::filesystem::temp_directory_path() / "ukemi-bench-scenes").string());
   std::FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return std::nullopt;

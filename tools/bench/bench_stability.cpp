@@ -95,12 +95,11 @@ Json landings(const BenchArguments& a, Run& run, Report& report) {
     longest = std::max(longest, r.seconds), most_steps = std::max(most_steps, r.work.steps);
   }
   map.push_back(all);
-  run.add("stability.csv",
-          Table(kGridQuantities, results)
-              .csv(run,
-                   "peak [m/s^2]; energy_residual: over the energy turned over; halving: relative change of the peak "
-                   "with half the tolerance; sensitivity: relative change with the scene moved by 1e-6, measured where "
-                   "halving fails; time_s of a landing."));
+  run.add("stability.csv", Table(kGridQuantities, results)
+                               .csv(run,
+                                    "peak [m/s^2]; energy_residual: over the energy turned over; halving: relative "
+                                    "change of the peak with half the tolerance; sensitivity: relative change with the "
+                                    "scene moved by 1e-6, measured where halving fails; time_s of a landing."));
   report.heading("Landings");
   (void)add_table(Table(tally_quantities("factor"), map), report, run);
   const std::string worst = fmt::format(

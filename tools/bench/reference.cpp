@@ -69,27 +69,4 @@ std::vector<ReferenceCase> read_reference(const std::string& folder) {
   return out;
 }
 
-std::vector<ReferenceCase> read_rich_reference(const std::string& folder) {
-  const CsvTable table = read_csv(folder + "/rich_cases.csv", {}, NanCells::kAsEmpty);
-  std::vector<ReferenceCase> out;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    const auto value = [&](const std::string& name) { return table.columns[std::size_t(table.require(name))][row]; };
-    ReferenceCase c;
-    c.id = "rich " + std::to_string(row + 1);
-    c.scene.name = "reference";
-    c.scene.robot = {{value("m0"), value("m1")}, {value("I0"), value("I1")}, value("l"), value("g")};
-    c.scene.contacts = {true, true, true};
-    c.scene.floor = Floor<double>{value("K_f"), value("C_fy"), value("C_fx")};
-    c.scene.drop = {value("h"), value("V_H"), value("pitch_deg") * kDegree};
-    c.sea = {value("K_p"), value("K_d"), value("K_SEA"), value("C_SEA"), value("I_motor"), value("tau_max")};
-    c.motion = {value("phi_i_deg") * kDegree, value("phi_f_deg") * kDegree, value("duration")};
-    for (std::size_t k = 0; k < kMaxBumps; ++k) c.motion.bumps[k] = value("b" + std::to_string(k) + "_deg") * kDegree;
-    if (const double phi = value("release_phi_deg"); !std::isnan(phi))
-      c.motion.reposition = Reposition{phi * kDegree, 0, value("from"), value("to")};
-    c.peak = value("peak");
-    out.push_back(c);
-  }
-  return out;
-}
-
 }  // namespace ukemi::landing

@@ -23,7 +23,5 @@ struct ReferenceCase {
 /// Reads landing_cases.csv and landing_peaks.csv of a folder. Even ids: the paper's scene; odd ones: random robots.
 /// Throws InputError.
 std::vector<ReferenceCase> read_reference(const std::string& folder);
-/// Reads rich_cases.csv: motions with shape terms and moves in the air; of results only peaks. Throws InputError.
-std::vector<ReferenceCase> read_rich_reference(const std::string& folder);
 
 }  // namespace ukemi::landing

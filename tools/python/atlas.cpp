@@ -1,8 +1,6 @@
 // Python bindings of atlases: planning, saving, reading.
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "landing/atlas/atlas_reader.hpp"
 #include "landing/atlas/body_atlas.hpp"
 #include "landing/atlas/body_atlas_reader.hpp"
@@ -122,31 +120,24 @@ template <class Plan>
 void bind_atlas_class(py::module_& m, const char* name, const char* words, const char* motion) {
   using Motion = decltype(motion_at(std::declval<const Plan&>(), Indices{}));
   py::class_<Plan> c(m, name, words);
-  c.def_property_readonly(
-       "value", [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.value; }); },
-       "The goal of each drop [m/s^2], axes height, forward_speed, pitch; NaN: no motion.")
-      .def_property_readonly(
-          "peak", [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.peak; }); },
-          "The peak of each drop itself [m/s^2].")
-      .def_property_readonly(
-          "tolerant_peak",
-          [](const Plan& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.tolerant_peak; }); },
-          "The same within the execution tolerance [m/s^2].")
-      .def_property_readonly(
-          "axes",
-          [](const Plan& p) {
-            const char* const names[] = {"height", "forward_speed", "pitch"};
-            py::dict out;
-            for (std::size_t k = 0; k < AtlasGrid::kAxes; ++k) {
-              const AtlasAxis& a = p.result.atlas.header.grid.axes[k];
-              py::array_t<double> values{py::ssize_t(a.count)};
-              for (std::size_t i = 0; i < a.count; ++i) values.mutable_at(py::ssize_t(i)) = a.at(i);
-              out[names[k]] = values;
-            }
-            return out;
-          },
-          "The grid's values along height [m], forward_speed [m/s], pitch [rad].")
-      .def("motion", static_cast<Motion (*)(const Plan&, const Indices&)>(&motion_at), py::arg("index"), motion)
+  property(c, "value", "The goal of each drop [m/s^2], axes height, forward_speed, pitch; NaN: no motion.",
+           [](auto& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.value; }); });
+  property(c, "peak", "The peak of each drop itself [m/s^2].",
+           [](auto& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.peak; }); });
+  property(c, "tolerant_peak", "The same within the execution tolerance [m/s^2].",
+           [](auto& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.tolerant_peak; }); });
+  property(c, "axes", "The grid's values along height [m], forward_speed [m/s], pitch [rad].", [](auto& p) {
+    const char* const names[] = {"height", "forward_speed", "pitch"};
+    py::dict out;
+    for (std::size_t k = 0; k < AtlasGrid::kAxes; ++k) {
+      const AtlasAxis& a = p.result.atlas.header.grid.axes[k];
+      py::array_t<double> values{py::ssize_t(a.count)};
+      for (std::size_t i = 0; i < a.count; ++i) values.mutable_at(py::ssize_t(i)) = a.at(i);
+      out[names[k]] = values;
+    }
+    return out;
+  });
+  c.def("motion", static_cast<Motion (*)(const Plan&, const Indices&)>(&motion_at), py::arg("index"), motion)
       .def(
           "save", [](const Plan& p, const Path& path) { write_file(path, atlas_bytes(p.result.atlas)); },
           py::arg("path"), "Writes atlas.bin, which AtlasReader opens.")
@@ -156,9 +147,7 @@ void bind_atlas_class(py::module_& m, const char* name, const char* words, const
                            goal_name(atlas.header.goal));
       });
   bind_value(c);
-  bind_report(
-      c, tools::kAtlasOutputs, [](const Plan& p, tools::Run& run) { return report(p.result, run); },
-      [](const Plan& p) { return p.seed; });
+  bind_report(c, tools::kAtlasOutputs, &Plan::seed, [](auto& p, tools::Run& run) { return report(p.result, run); });
 }
 
 /// A reader's entry with the goal's name.
@@ -173,10 +162,7 @@ class PythonReader {
       : reader_(path, scene, (require_gains(actuator), actuator.sea), options),
         goal_(goal_name(std::uint64_t(options.goal))) {}
   NamedEntry at(const Drop& drop) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
-    const py::gil_scoped_release release;
-    return {reader_.at(drop), goal_};
+    return {alone(mutex_, "reader", [&] { return reader_.at(drop); }), goal_};
   }
 
  private:
@@ -191,12 +177,7 @@ class PythonBodyReader {
   PythonBodyReader(const Path& path, const BodyScene& scene, const AtlasReader::Options& options)
       : scene_(scene), reader_(path, scene, options), goal_(goal_name(std::uint64_t(options.goal))) {}
   py::dict at(const Drop& drop) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the reader is asked by another thread already");
-    const BodyAtlasEntry e = [&] {
-      const py::gil_scoped_release release;
-      return reader_.at(drop);
-    }();
+    const BodyAtlasEntry e = alone(mutex_, "reader", [&] { return reader_.at(drop); });
     py::dict out;
     out["found"] = e.found, out["inside"] = e.inside, out["holds"] = e.holds, out["wrong"] = e.wrong,
     out["goal"] = goal_;
@@ -235,27 +216,20 @@ void bind_body_reader(py::module_& m) {
           "(the goal at this very drop [m/s^2]), goal and wrong.");
 }
 
-void bind_reader(py::module_& m) {
+void bind_atlas_reader(py::module_& m) {
   py::class_<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
-  entry
-      .def_property_readonly(
-          "found", [](const NamedEntry& e) { return e.entry.found; }, "Whether there is a motion.")
-      .def_property_readonly(
-          "inside", [](const NamedEntry& e) { return e.entry.inside; },
-          "Whether the grid reaches so far; else the motion is the one that is safest over all drops.")
-      .def_property_readonly(
-          "holds", [](const NamedEntry& e) { return e.entry.holds; },
-          "Whether no motion around lands as softly as holding the posture: the motion does.")
-      .def_property_readonly(
-          "motion",
-          [](const NamedEntry& e) {
-            return PlannedMotion{e.entry.motion, e.goal, e.entry.value};
-          },
-          "The motion, with the goal at this very drop.")
-      .def_property_readonly(
-          "value", [](const NamedEntry& e) { return e.entry.value; },
-          "The goal at this very drop [m/s^2]; infinite where no time was left to play it.")
-      .def_readonly("goal", &NamedEntry::goal, "By which the motions were compared.")
+  property(entry, "found", "Whether there is a motion.", [](auto& e) { return e.entry.found; });
+  property(entry, "inside",
+           "Whether the grid reaches so far; else the motion is the one that is safest over all drops.",
+           [](auto& e) { return e.entry.inside; });
+  property(entry, "holds", "Whether no motion around lands as softly as holding the posture: the motion does.",
+           [](auto& e) { return e.entry.holds; });
+  property(entry, "motion", "The motion, with the goal at this very drop.", [](auto& e) {
+    return PlannedMotion{e.entry.motion, e.goal, e.entry.value};
+  });
+  property(entry, "value", "The goal at this very drop [m/s^2]; infinite where no time was left to play it.",
+           [](auto& e) { return e.entry.value; });
+  entry.def_readonly("goal", &NamedEntry::goal, "By which the motions were compared.")
       .def("__repr__", [](const NamedEntry& e) {
         if (!e.entry.found) return std::string("<ukemi.AtlasEntry: none>");
         return fmt::format("<ukemi.AtlasEntry: {}; {}>", tools::motion_words(e.entry.motion),
@@ -294,7 +268,7 @@ void bind_atlas(py::module_& m) {
                               "The motion of a drop by its indices along the axes, or None.");
   bind_atlas_class<BodyAtlasPlan>(m, "RobotAtlas", "The same of a robot of links.",
                                   "The motions of a drop, by joint, by its indices along the axes, or None.");
-  bind_reader(m), bind_body_reader(m);
+  bind_atlas_reader(m), bind_body_reader(m);
   m.def(
       "atlas",
       [](const Scene& scene, const Actuator& actuator, const Axis& height, const Axis& forward_speed, const Axis& pitch,
@@ -338,8 +312,8 @@ void bind_atlas(py::module_& m) {
       py::arg("robust") = py::none(), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("samples") = BodyPlanOptions().samples, py::arg("seed") = 1, py::arg("threads") = 0,
       py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
-      "The same of a robot of links; an axis that is not given stands where the scene does. forbid and "
-      "respect_ratings as of `optimize`; RobotAtlasReader is told them too.");
+      "The same of a robot of links; an axis that is not given stands where the scene does. forbid and respect_ratings "
+      "as of `optimize`; RobotAtlasReader is told them too.");
 }
 
 }  // namespace ukemi::python

@@ -10,8 +10,8 @@
 #include <chrono>
 #include <functional>
 #include <future>
-#include <limits>
 #include <map>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -77,6 +77,15 @@ auto long_call(F&& f) {
   return result.get();
 }
 
+/// Runs f() without the GIL. Throws where another thread is in such a call: `what`: "planner".
+template <class F>
+auto alone(std::mutex& mutex, const char* what, F&& f) {
+  const std::unique_lock lock(mutex, std::try_to_lock);
+  if (!lock) throw std::runtime_error(std::string("the ") + what + " is asked by another thread already");
+  const py::gil_scoped_release release;
+  return f();
+}
+
 /// Factor of the constants' standard errors under scatter, 0 to 100.
 inline double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
 /// Rows per second [Hz], above 0.
@@ -85,6 +94,25 @@ inline double checked_rate(double rate) { return checked("rate", rate, {0, 1e6, 
 inline double angle(const std::string& what, double radians) {
   const double turn = 2 * std::numbers::pi;
   return checked(what, radians, {-turn, turn, false, "-2 pi to 2 pi rad; math.radians makes them of degrees"});
+}
+
+/// Binds a read-only property; `of`: a function or a member of a T. A copy is returned.
+template <class T, class Of, class... Options>
+void property(py::class_<T, Options...>& c, const char* name, const std::string& words, Of of) {
+  c.def_property_readonly(
+      name, [of](const T& x) { return std::invoke(of, x); }, words.c_str());
+}
+/// The same of a column of numbers, shown without a copy.
+template <class T, class Of, class... Options>
+void column_property(py::class_<T, Options...>& c, const char* name, const std::string& words, Of of) {
+  c.def_property_readonly(
+      name, [of](const py::object& self) { return view(std::invoke(of, self.cast<const T&>()), self); }, words.c_str());
+}
+
+/// Binds a function that reads a file; read(path).
+template <class Read>
+void bind_reader(py::module_& m, const char* name, const char* words, Read read) {
+  m.def(name, read, py::arg("path"), words);
 }
 
 /// An SVG picture; notebooks show it.
@@ -104,61 +132,49 @@ Choice chosen_terms(Choice terms, const std::optional<std::vector<std::string>>&
 }
 
 /// Binds the estimates of a fit; of(result): the fit.
-template <class Result, class... Options>
-void bind_estimates(py::class_<Result, Options...>& c, const identify::Estimates& (*of)(const Result&)) {
+template <class Result, class Of, class... Options>
+void bind_estimates(py::class_<Result, Options...>& c, Of of) {
   using identify::Estimate;
   const auto by_name = [](const std::vector<Estimate>& all) {
     std::map<std::string, Estimate> out;
     for (const Estimate& e : all) out[e.trial < 0 ? e.name : e.name + "[" + std::to_string(e.trial) + "]"] = e;
     return out;
   };
-  c.def_property_readonly(
-       "parameters", [=](const Result& r) { return by_name(of(r).parameters); },
-       "The constants by name, fitted or not; each an Estimate.")
-      .def_property_readonly(
-          "nuisance", [=](const Result& r) { return by_name(of(r).nuisance); },
-          "The terms that were fitted along, by name; name[i] where each trial has its own.")
-      .def_property_readonly(
-          "fitted", [=](const Result& r) { return of(r).fitted; }, "Names in the order of `covariance`.")
-      .def_property_readonly(
-          "covariance", [=](const Result& r) -> Eigen::MatrixXd { return of(r).covariance; },
-          "Covariance of `fitted` [product of their units]; NaN where it is not determined.")
-      .def_property_readonly(
-          "cost", [=](const Result& r) { return of(r).cost; }, "The sum of squares [square of the outputs' unit].")
-      .def_property_readonly(
-          "converged", [=](const Result& r) { return of(r).converged; }, "Whether the search ended at a minimum.")
-      .def_property_readonly(
-          "trusted", [=](const Result& r) { return of(r).trusted(); },
-          "Whether it converged and every fitted constant is trusted.")
-      .def_property_readonly(
-          "message", [=](const Result& r) { return of(r).message; }, "Why it did not converge; empty where it did.")
-      .def_property_readonly(
-          "error_budget",
-          [=](const Result& r) {
-            std::map<std::string, std::map<std::string, double>> out;
-            for (const identify::ErrorBudget& b : identify::error_budget(of(r)))
-              out[b.constant] = {b.shares.begin(), b.shares.end()};
-            return out;
-          },
-          "Of each constant the shares of its variance [1]: noise, and the stated errors of what was not fitted.")
-      .def_property_readonly(
-          "warnings", [=](const Result& r) { return of(r).warnings; }, "What a reader should know, a sentence each.");
+  property(c, "parameters", "The constants by name, fitted or not; each an Estimate.",
+           [=](auto& r) { return by_name(of(r).parameters); });
+  property(c, "nuisance", "The terms that were fitted along, by name; name[i] where each trial has its own.",
+           [=](auto& r) { return by_name(of(r).nuisance); });
+  property(c, "fitted", "Names in the order of `covariance`.", [=](auto& r) { return of(r).fitted; });
+  property(c, "covariance", "Covariance of `fitted` [product of their units]; NaN where it is not determined.",
+           [=](auto& r) -> Eigen::MatrixXd { return of(r).covariance; });
+  property(c, "cost", "The sum of squares [square of the outputs' unit].", [=](auto& r) { return of(r).cost; });
+  property(c, "converged", "Whether the search ended at a minimum.", [=](auto& r) { return of(r).converged; });
+  property(c, "trusted", "Whether it converged and every fitted constant is trusted.",
+           [=](auto& r) { return of(r).trusted(); });
+  property(c, "message", "Why it did not converge; empty where it did.", [=](auto& r) { return of(r).message; });
+  property(c, "error_budget",
+           "Of each constant the shares of its variance [1]: noise, and the stated errors of what was not fitted.",
+           [=](auto& r) {
+             std::map<std::string, std::map<std::string, double>> out;
+             for (const identify::ErrorBudget& b : identify::error_budget(of(r)))
+               out[b.constant] = {b.shares.begin(), b.shares.end()};
+             return out;
+           });
+  property(c, "warnings", "What a reader should know, a sentence each.", [=](auto& r) { return of(r).warnings; });
 }
 
 /// Binds the requested likelihood profiles; of(result): the profiles.
-template <class Result, class... Options>
-void bind_profiles(py::class_<Result, Options...>& c, std::vector<identify::Profile> (*of)(const Result&)) {
+template <class Result, class Of, class... Options>
+void bind_profiles(py::class_<Result, Options...>& c, Of of) {
   using Interval = std::pair<std::optional<double>, std::optional<double>>;
-  c.def_property_readonly(
-      "profiles",
-      [=](const Result& r) {
-        std::map<std::string, Interval> out;
-        for (const identify::Profile& p : of(r)) out[p.constant] = {p.low, p.high};
-        return out;
-      },
-      "Of each constant of `profile` the 95 % interval by its likelihood, the others refitted [its SI unit]; None "
-      "where "
-      "it ends beyond three standard errors.");
+  property(c, "profiles",
+           "Of each constant of `profile` the 95 % interval by its likelihood, the others refitted [its SI unit]; None "
+           "where it ends beyond three standard errors.",
+           [=](auto& r) {
+             std::map<std::string, Interval> out;
+             for (const identify::Profile& p : of(r)) out[p.constant] = {p.low, p.high};
+             return out;
+           });
 }
 
 /// tools::require_gains for the argument "actuator".

@@ -50,60 +50,19 @@ std::vector<std::string> names_of(const std::vector<Named>& all) {
   return out;
 }
 
-}  // namespace
-
-py::dict loads_of_scene(const BodyScene& scene) {
-  py::dict out;
-  for (const Load& l : scene.loads) {
-    py::dict load;
-    load["kind"] = name(l.kind), load["of"] = place_of(l, scene.robot), load["rating"] = l.rating;
-    load["unit"] = unit(l.kind), load["limit"] = l.limit;
-    out[l.name.c_str()] = load;
-  }
-  return out;
-}
-py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
-  py::dict out = loads_of_scene(scene);
-  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
-  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
-    const Load& l = scene.loads[i];
-    py::object load = out[l.name.c_str()];
-    load["value"] = peaks[i].value, load["t"] = peaks[i].t;
-    load["ratio"] = l.rating > 0 ? py::cast(peaks[i].value / l.rating) : py::none();
-  }
-  return out;
-}
-
-namespace {
-
 void bind_drop_of_scene(py::class_<BodyScene>& c) {
-  c.def_property_readonly(
-       "height", [](const BodyScene& s) { return s.drop.height; }, "Clearance of the lowest contact at release [m].")
-      .def_property_readonly(
-          "forward_speed", [](const BodyScene& s) { return s.drop.forward_speed; }, "At release [m/s].")
-      .def_property_readonly(
-          "pitch", [](const BodyScene& s) { return s.drop.pitch; }, "Angle of the first link at release [rad].")
-      .def_property_readonly(
-          "pitch_rate", [](const BodyScene& s) { return s.drop.pitch_rate; }, "At release [rad/s].")
-      .def(
-          "dropped",
-          [](BodyScene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-             std::optional<double> pitch_rate) {
-            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-            s.validate();
-            return s;
-          },
-          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-          py::arg("pitch_rate") = py::none(),
-          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+  property(c, "height", "Clearance of the lowest contact at release [m].", [](auto& s) { return s.drop.height; });
+  property(c, "forward_speed", "At release [m/s].", [](auto& s) { return s.drop.forward_speed; });
+  property(c, "pitch", "Angle of the first link at release [rad].", [](auto& s) { return s.drop.pitch; });
+  property(c, "pitch_rate", "At release [rad/s].", [](auto& s) { return s.drop.pitch_rate; });
+  bind_dropped(c, [](const BodyScene& s) { s.validate(); });
 }
 
 void bind_design_numbers(py::class_<BodyScene>& c) {
-  c.def_property_readonly("loads", loads_of_scene,
-                          "What its parts bear, by name: a dict of kind, of, rating, unit and limit.")
-      .def_property_readonly("design_names", design_names, "Every number of the design that has a name, see `design`.")
-      .def("design", design_number, py::arg("name"),
-           "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
+  property(c, "loads", "What its parts bear, by name: a dict of kind, of, rating, unit and limit.", loads_of_scene);
+  property(c, "design_names", "Every number of the design that has a name, see `design`.", design_names);
+  c.def("design", design_number, py::arg("name"),
+        "A number by the way to it in the files, as \"drive.knee.k_sea\", in their unit; NaN: there is none.")
       .def(
           "with_design",
           [](BodyScene s, const std::map<std::string, double>& numbers) {
@@ -115,24 +74,17 @@ void bind_design_numbers(py::class_<BodyScene>& c) {
 
 void bind_robot_scene(py::module_& m) {
   py::class_<BodyScene> c(m, "RobotScene", "A robot of links, its floor, its drop, and what a plan may be.");
-  c.def_readonly("name", &BodyScene::name, "What it is called.")
-      .def_property_readonly(
-          "links", [](const BodyScene& s) { return names_of(s.robot.links); }, "Names of the links.")
-      .def_property_readonly(
-          "joints",
-          [](const BodyScene& s) {
-            std::vector<std::string> out;
-            for (const Joint& j : s.robot.joints)
-              if (j.driven()) out.push_back(j.name);
-            return out;
-          },
-          "Names of the driven joints, in the robot's order.")
-      .def_property_readonly(
-          "contacts", [](const BodyScene& s) { return names_of(s.robot.contacts); }, "Names of the contact points.")
-      .def_property_readonly(
-          "mass", [](const BodyScene& s) { return s.robot.mass(); }, "Of the whole robot [kg].")
-      .def_property_readonly(
-          "doubts", [](const BodyScene& s) { return doubts(s); }, "What looks wrong, a sentence each.");
+  c.def_readonly("name", &BodyScene::name, "What it is called.");
+  property(c, "links", "Names of the links.", [](auto& s) { return names_of(s.robot.links); });
+  property(c, "joints", "Names of the driven joints, in the robot's order.", [](auto& s) {
+    std::vector<std::string> out;
+    for (const Joint& j : s.robot.joints)
+      if (j.driven()) out.push_back(j.name);
+    return out;
+  });
+  property(c, "contacts", "Names of the contact points.", [](auto& s) { return names_of(s.robot.contacts); });
+  property(c, "mass", "Of the whole robot [kg].", [](auto& s) { return s.robot.mass(); });
+  property(c, "doubts", "What looks wrong, a sentence each.", [](auto& s) { return doubts(s); });
   bind_drop_of_scene(c), bind_design_numbers(c);
   c.def(
        "held", [](const BodyScene& s) { return by_joint(s.robot, held_posture(s)); },
@@ -142,9 +94,7 @@ void bind_robot_scene(py::module_& m) {
                            s.robot.joints.size(), s.robot.mass());
       });
   bind_value(c);
-  bind_report(
-      c, tools::kRobotOutputs, [](const BodyScene& s, tools::Run& run) { return report_robot(s, {}, run); },
-      [](const BodyScene&) { return 1; });
+  bind_report(c, tools::kRobotOutputs, kNoSeed, [](auto& s, tools::Run& run) { return report_robot(s, {}, run); });
 }
 
 void bind_files(py::module_& m) {
@@ -209,13 +159,7 @@ void bind_trajectory(py::class_<BodyPlayed>& c) {
       {"acc_y", {&BodySample::acc_y, "Its upward component [m/s^2]."}},
       {"energy", {&BodySample::energy, "Of the links [J]."}}};
   for (const auto& [name, what] : columns)
-    c.def_property_readonly(
-        name,
-        [at = what.first](const py::object& self) {
-          const std::vector<BodySample>& rows = self.cast<const BodyPlayed&>().checked.landing.trajectory;
-          return view(rows.empty() ? nullptr : &(rows.front().*at), rows.size(), sizeof(BodySample), self);
-        },
-        what.second);
+    row_property(c, name, what.second, [member = what.first](auto& s) { return &(s.*member); });
   const auto links = +[](const Robot& r) { return names_of(r.links); };
   const auto joints = +[](const Robot& r) { return names_of(r.joints); };
   const auto contacts = +[](const Robot& r) { return names_of(r.contacts); };
@@ -241,39 +185,48 @@ Figure body_figure(const BodyPlayed& p) {
 
 void bind_body_landing(py::module_& m) {
   py::class_<BodyPlayed> c(m, "RobotLanding", "One landing of a robot of links, from release to rest.");
-  bind_run_end(
-      c, +[](const BodyPlayed& p) -> const RunEnd& { return p.checked.landing; }, "contact");
-  bind_sensitivity(
-      c, +[](const BodyPlayed& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
-  c.def_property_readonly(
-       "contacts",
-       [](const BodyPlayed& p) { return named(p.checked.landing.touches, tools::contact_name(p.checked.scene.robot)); },
-       "Every contact, in the order of the touchdowns.")
-      .def_property_readonly(
-          "motions", [](const BodyPlayed& p) { return by_joint(p.checked.scene.robot, p.checked.motion); },
-          "What was played: a Motion of each driven joint by its name.")
-      .def_property_readonly(
-          "loads", [](const BodyPlayed& p) { return loads_of_landing(p.checked.scene, p.checked.landing); },
-          "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
-          "what "
-          "RobotScene.loads has.")
-      .def_property_readonly(
-          "energy_residual", [](const BodyPlayed& p) { return p.checked.landing.energy_residual; },
-          "Mismatch of the energy check over the energy turned over [1].")
-      .def("__repr__", [](const BodyPlayed& p) {
-        return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
-                           p.checked.landing.t_peak);
-      });
+  bind_checked(
+      c, [](auto& p) { return tools::contact_name(p.checked.scene.robot); }, "contact");
+  property(c, "motions", "What was played: a Motion of each driven joint by its name.",
+           [](auto& p) { return by_joint(p.checked.scene.robot, p.checked.motion); });
+  property(c, "loads",
+           "The largest value of each load of the scene, by name: a dict of value, t [s], ratio (value / rating) and "
+           "what RobotScene.loads has.",
+           [](auto& p) { return loads_of_landing(p.checked.scene, p.checked.landing); });
+  c.def("__repr__", [](const BodyPlayed& p) {
+    return fmt::format("<ukemi.RobotLanding: peak {:.6g} m/s^2 at {:.4g} s>", p.checked.landing.peak,
+                       p.checked.landing.t_peak);
+  });
   bind_figure(c, body_figure, "The acceleration that counts [m/s^2] over time [s].");
   bind_trajectory(c);
   bind_value(c);
-  bind_report(
-      c, tools::kSimulateOutputs,
-      [](const BodyPlayed& p, tools::Run& run) { return report(p.checked, held_landing(p.checked, p.rate), {}, run); },
-      [](const BodyPlayed&) { return 1; });
+  bind_report(c, tools::kSimulateOutputs, kNoSeed,
+              [](auto& p, tools::Run& run) { return report(p.checked, held_landing(p.checked, p.rate), {}, run); });
 }
 
 }  // namespace
+
+py::dict loads_of_scene(const BodyScene& scene) {
+  py::dict out;
+  for (const Load& l : scene.loads) {
+    py::dict load;
+    load["kind"] = name(l.kind), load["of"] = place_of(l, scene.robot), load["rating"] = l.rating;
+    load["unit"] = unit(l.kind), load["limit"] = l.limit;
+    out[l.name.c_str()] = load;
+  }
+  return out;
+}
+py::dict loads_of_landing(const BodyScene& scene, const BodyLanding& landing) {
+  py::dict out = loads_of_scene(scene);
+  const std::vector<LoadPeak> peaks = loads_of(scene, landing);
+  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
+    const Load& l = scene.loads[i];
+    py::object load = out[l.name.c_str()];
+    load["value"] = peaks[i].value, load["t"] = peaks[i].t;
+    load["ratio"] = l.rating > 0 ? py::cast(peaks[i].value / l.rating) : py::none();
+  }
+  return out;
+}
 
 void bind_body(py::module_& m) {
   bind_robot_scene(m), bind_files(m), bind_body_landing(m);

@@ -1,7 +1,6 @@
 // Python bindings of drop logs of robots of links and the calibration of their floor.
 #include <fmt/format.h>
 
-#include <cmath>
 #include <variant>
 
 #include "landing/drops/body_rollout.hpp"
@@ -46,22 +45,20 @@ void bind_body_log(py::module_& m) {
   c.def(py::init(&body_log_of),
         "Times t from release [s]; outputs by name, as \"acc\" [m/s^2], \"x_thigh\" [m], \"phi_knee\" [rad]: arrays as "
         "long as t, NaN where not measured.",
-        py::arg("scene"), py::arg("t"), py::arg("outputs"), py::arg("name") = "drop")
-      .def_property_readonly(
-          "name", [](const BodyDropLog& d) { return d.log.file; }, "Its file, or the name that it was given.")
-      .def_property_readonly(
-          "t", [](const py::object& self) { return view(self.cast<const BodyDropLog&>().log.t, self); },
-          "Times from release [s].")
-      .def_property_readonly(
-          "outputs",
-          [](const py::object& self) {
-            const auto& d = self.cast<const BodyDropLog&>();
-            py::dict out;
-            for (std::size_t o = 0; o < d.channels.size(); ++o)
-              if (!d.log.output[o].empty()) out[py::str(d.channels[o].name)] = view(d.log.output[o], self);
-            return out;
-          },
-          "What was measured, by its name [m/s^2, m or rad].")
+        py::arg("scene"), py::arg("t"), py::arg("outputs"), py::arg("name") = "drop");
+  property(c, "name", "Its file, or the name that it was given.", [](auto& d) { return d.log.file; });
+  column_property(
+      c, "t", "Times from release [s].", [](auto& d) -> auto& { return d.log.t; });
+  c.def_property_readonly(
+       "outputs",
+       [](const py::object& self) {
+         const auto& d = self.cast<const BodyDropLog&>();
+         py::dict out;
+         for (std::size_t o = 0; o < d.channels.size(); ++o)
+           if (!d.log.output[o].empty()) out[py::str(d.channels[o].name)] = view(d.log.output[o], self);
+         return out;
+       },
+       "What was measured, by its name [m/s^2, m or rad].")
       .def("__repr__", [](const BodyDropLog& d) {
         return fmt::format("<ukemi.RobotDropLog {}: {} rows>", d.log.file, d.log.t.size());
       });
@@ -87,10 +84,7 @@ struct PlayedBodyDrop {
                     [](const DropChannel& a, const DropChannel& b) { return a.name == b.name; }))
       throw InputError(log.log.file + ": a drop of another robot");
     tools::check_drop_arguments(scene.robot, height ? "height" : nullptr, forward_speed ? "forward_speed" : nullptr);
-    BodyLoggedDrop out{log.log, motions_of(scene, motions), scene.drop};
-    out.thrown.height = height.value_or(scene.drop.height);
-    out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
-    return out;
+    return {log.log, motions_of(scene, motions), dropped(scene.drop, {height, forward_speed})};
   }
 };
 
@@ -112,19 +106,7 @@ void bind_body_drop(py::module_& m) {
   bind_value(c);
 }
 
-/// A calibration with its drops, and validation drops that were not fitted.
-struct BodyCalibrated {
-  BodyCalibratedDrops fitted;
-  std::optional<BodyCalibratedDrops> validation;
-  std::string file;  ///< of the scene; empty: none
-  std::uint64_t seed = 1;
-};
-
-std::vector<BodyLoggedDrop> logged_drops(const std::vector<PlayedBodyDrop>& played, const BodyScene& scene) {
-  std::vector<BodyLoggedDrop> out;
-  for (const PlayedBodyDrop& d : played) out.push_back(d.logged_drop(scene));
-  return out;
-}
+using BodyCalibrated = CalibratedOf<BodyCalibratedDrops>;
 
 enum class Law { kScene, kAsked, kOnly };
 Law law_of(const std::string& text) {
@@ -134,17 +116,14 @@ Law law_of(const std::string& text) {
 BodyCalibrated calibrated(const BodyScene& scene, const std::vector<PlayedBodyDrop>& played,
                           const std::vector<PlayedBodyDrop>& held_out, Law law, BodyCalibrationOptions options) {
   if (law == Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
-  BodyCalibrated out{{logged_drops(played, scene), {}}, {}, {}, options.seed};
-  const std::vector<BodyLoggedDrop> others = logged_drops(held_out, scene);
-  check_drops(scene, out.fitted.drops);
-  if (!others.empty()) check_drops(scene, others);
-  return long_call([&](const std::function<bool()>& stop) {
-    options.monitor.stop = stop;
-    BodyCalibration& c = out.fitted.result = tools::calibrate(scene, out.fitted.drops, options);
-    if (law == Law::kAsked) adopt_best_law(c, out.fitted.drops, options);
-    if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, others, options)};
-    return out;
-  });
+  const auto fit = [&](auto& drops, auto& o) {
+    BodyCalibration c = tools::calibrate(scene, drops, o);
+    if (law == Law::kAsked) adopt_best_law(c, drops, o);
+    return c;
+  };
+  return calibrated_drops<BodyCalibratedDrops>(
+      scene, played, held_out, std::move(options), fit,
+      [](auto& fitted, auto& others, auto& o) { return tools::validate(fitted, others, o); });
 }
 
 /// A tried contact law as a dict.
@@ -156,53 +135,30 @@ py::dict dict_of(const TriedLaw& t) {
 }
 
 void bind_laws(py::class_<BodyCalibrated>& c) {
-  c.def_property_readonly(
-       "laws",
-       [](const BodyCalibrated& x) {
-         py::list out;
-         for (const TriedLaw& t : x.fitted.result.laws) out.append(dict_of(t));
-         return out;
-       },
-       "The laws that were tried, the scene's first: a dict of law, converged, rms (in the logs' noise [1]), bic (less "
-       "that of the scene's), held_out (rms of drops left out) and rejected.")
-      .def_property_readonly(
-          "asked",
-          [](const BodyCalibrated& x) {
-            const BodyCalibration& found = x.fitted.result;
-            return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.best_law].law));
-          },
-          "The law that the drops support best; None where nothing could be followed.")
-      .def_property_readonly(
-          "law_rejected", [](const BodyCalibrated& x) { return x.fitted.result.law_rejected(); },
-          "Whether the drops speak against the law of `scene`: its residuals do, or another is better beyond doubt.");
+  property(c, "laws",
+           "The laws that were tried, the scene's first: a dict of law, converged, rms (in the logs' noise [1]), bic "
+           "(less that of the scene's), held_out (rms of drops left out) and rejected.",
+           [](auto& x) {
+             py::list out;
+             for (const TriedLaw& t : x.fitted.result.laws) out.append(dict_of(t));
+             return out;
+           });
+  property(c, "asked", "The law that the drops support best; None where nothing could be followed.", [](auto& x) {
+    const BodyCalibration& found = x.fitted.result;
+    return found.laws.empty() ? std::nullopt : std::optional(words(found.laws[found.best_law].law));
+  });
+  property(c, "law_rejected",
+           "Whether the drops speak against the law of `scene`: its residuals do, or another is better beyond doubt.",
+           [](auto& x) { return x.fitted.result.law_rejected(); });
 }
 
 void bind_body_calibration(py::module_& m) {
-  py::class_<BodyCalibrated> c(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.");
-  bind_estimates(
-      c, +[](const BodyCalibrated& x) -> const identify::Estimates& { return x.fitted.result; });
-  bind_floor_fit(
-      c, +[](const BodyCalibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
-  bind_profiles(
-      c, +[](const BodyCalibrated& x) { return x.fitted.result.profiles; });
+  auto c = bind_calibration<BodyCalibrated>(m, "RobotCalibration", "The floor of a robot of links, fitted to drops.",
+                                            [](const BodyCalibrated& x, tools::Run& run) {
+                                              return report(x.file, x.fitted, x.validation, tools::Doubt::kReport, run);
+                                            });
   bind_laws(c);
-  c.def_property_readonly(
-       "scene", [](const BodyCalibrated& x) { return x.fitted.result.scene; }, "The given scene with what was fitted.")
-      .def_property_readonly(
-          "validation",
-          [](const BodyCalibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
-          "The same of drops that were not fitted.")
-      .def("__repr__", [](const BodyCalibrated& x) {
-        return fmt::format("<ukemi.RobotCalibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
-                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
-      });
-  bind_value(c);
-  bind_report(
-      c, tools::kCalibrateOutputs,
-      [](const BodyCalibrated& x, tools::Run& run) {
-        return report(x.file, x.fitted, x.validation, tools::Doubt::kReport, run);
-      },
-      [](const BodyCalibrated& x) { return x.seed; });
+  property(c, "scene", "The given scene with what was fitted.", [](auto& x) { return x.fitted.result.scene; });
 }
 
 }  // namespace

@@ -56,30 +56,28 @@ std::string words_of(const BodyScene& scene) {
 
 void bind_body_comparison(py::module_& m) {
   py::class_<BodyCompared> c(m, "RobotComparison", "A robot of links with identified against nominal drives.");
-  c.def_property_readonly(
-       "constants", [](const BodyCompared& x) { return x.comparison.constants; },
-       "Of the drives that differ, of all where none does; each a ConstantDifference, named as k_p_JOINT.")
-      .def_property_readonly("motions", motions_of_sets,
-                             "The best motions of each set, landed under both: a dict of set, motions (by joint), "
-                             "value of the goal and peaks (by the set's name) [m/s^2]; None where none was found.")
-      .def_property_readonly("plans", plans_of_sets,
-                             "With a measure, plans for drops that scatter: a dict of set, motions, value (what it "
-                             "promised [m/s^2]) and truth (a Distribution with the identified drives).")
-      .def_property_readonly(
-          "complete", [](const BodyCompared& x) { return x.comparison.complete; },
-          "Whether every search and landing worked out.")
-      .def("__repr__", [](const BodyCompared& x) {
-        return fmt::format("<ukemi.RobotComparison of {} constants{}>", x.comparison.constants.size(),
-                           x.comparison.complete ? "" : ", incomplete");
-      });
+  property(c, "constants",
+           "Of the drives that differ, of all where none does; each a ConstantDifference, named as k_p_JOINT.",
+           [](auto& x) { return x.comparison.constants; });
+  property(c, "motions",
+           "The best motions of each set, landed under both: a dict of set, motions (by joint), value of the goal and "
+           "peaks (by the set's name) [m/s^2]; None where none was found.",
+           motions_of_sets);
+  property(c, "plans",
+           "With a measure, plans for drops that scatter: a dict of set, motions, value (what it promised [m/s^2]) and "
+           "truth (a Distribution with the identified drives).",
+           plans_of_sets);
+  property(c, "complete", "Whether every search and landing worked out.",
+           [](auto& x) { return x.comparison.complete; });
+  c.def("__repr__", [](const BodyCompared& x) {
+    return fmt::format("<ukemi.RobotComparison of {} constants{}>", x.comparison.constants.size(),
+                       x.comparison.complete ? "" : ", incomplete");
+  });
   bind_value(c);
-  bind_report(
-      c, tools::kCompareOutputs,
-      [](const BodyCompared& x, tools::Run& run) {
-        const PerSet<BodyScene>& scenes = x.comparison.scenes;
-        return report(x.comparison, {words_of(scenes[0]), words_of(scenes[1])}, run);
-      },
-      [](const BodyCompared& x) { return x.seed; });
+  bind_report(c, tools::kCompareOutputs, &BodyCompared::seed, [](auto& x, tools::Run& run) {
+    const PerSet<BodyScene>& scenes = x.comparison.scenes;
+    return report(x.comparison, {words_of(scenes[0]), words_of(scenes[1])}, run);
+  });
 }
 
 }  // namespace

@@ -31,38 +31,33 @@ py::dict mapped_motion(const BodyMap& m, const BodyMotion& motion, double peak) 
 void bind_body_survey(py::module_& m) {
   py::class_<BodyMap> c(m, "RobotMap", "The motions of a robot of links on a grid over some of their variables.");
   bind_mapped(
-      c, +[](const BodyMap& x) -> const MappedPeaks& { return x.survey; });
-  c.def_property_readonly(
-       "broken", [](const BodyMap& x) { return x.survey.broken; }, "Landings that broke a limit of the scene.")
-      .def_property_readonly(
-          "minima",
-          [](const BodyMap& x) {
-            py::list out;
-            for (const GridMinimum& g : x.survey.minima) out.append(mapped_motion(x, g.motion, g.peak));
-            return out;
-          },
-          "The grid's best local minima, the best first: a dict of motions (by joint) and peak, in the unit of `peak`.")
-      .def_property_readonly(
-          "basins",
-          [](const BodyMap& x) {
-            py::list out;
-            for (const BodyBasin& b : x.survey.basins) {
-              py::dict basin = mapped_motion(x, b.motion, b.peak);
-              basin["tolerant_peak"] = b.tolerant;
-              out.append(basin);
-            }
-            return out;
-          },
-          "What was found from there over all variables, the best first: a dict of motions, peak and tolerant_peak "
-          "(infinite: one of its drops could not be followed or breaks a limit).")
-      .def("__repr__", [](const BodyMap& x) {
-        return fmt::format("<ukemi.RobotMap: {} landings, {} basins>", x.survey.map.grid.size(),
-                           x.survey.basins.size());
+      c, [](auto& x) -> auto& { return x.survey; });
+  property(c, "broken", "Landings that broke a limit of the scene.", [](auto& x) { return x.survey.broken; });
+  property(
+      c, "minima",
+      "The grid's best local minima, the best first: a dict of motions (by joint) and peak, in the unit of `peak`.",
+      [](auto& x) {
+        py::list out;
+        for (const GridMinimum& g : x.survey.minima) out.append(mapped_motion(x, g.motion, g.peak));
+        return out;
       });
+  property(c, "basins",
+           "What was found from there over all variables, the best first: a dict of motions, peak and tolerant_peak "
+           "(infinite: one of its drops could not be followed or breaks a limit).",
+           [](auto& x) {
+             py::list out;
+             for (const BodyBasin& b : x.survey.basins) {
+               py::dict basin = mapped_motion(x, b.motion, b.peak);
+               basin["tolerant_peak"] = b.tolerant;
+               out.append(basin);
+             }
+             return out;
+           });
+  c.def("__repr__", [](const BodyMap& x) {
+    return fmt::format("<ukemi.RobotMap: {} landings, {} basins>", x.survey.map.grid.size(), x.survey.basins.size());
+  });
   bind_value(c);
-  bind_report(
-      c, tools::kMapOutputs, [](const BodyMap& x, tools::Run& run) { return report(x.survey, run); },
-      [](const BodyMap& x) { return x.seed; });
+  bind_report(c, tools::kMapOutputs, &BodyMap::seed, [](auto& x, tools::Run& run) { return report(x.survey, run); });
 }
 
 /// Varied variables by name, or with their numbers of points.

@@ -1,9 +1,6 @@
 // Python bindings of plans and risk of robots of links.
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
-
 #include "landing/plan/body_planner.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
@@ -38,77 +35,41 @@ void bind_body_optimum(py::module_& m) {
         {.scene = o.scene, .motion = motion, .landing = landing, .sensitivity = {}, .accuracy = o.options.accuracy},
         o.options.rate};
   };
-  c.def_property_readonly(
-       "found", [](const BodyOptimum& o) { return o.plan.found; }, "Whether anything could be followed to the floor.")
-      .def_property_readonly(
-          "message", [](const BodyOptimum& o) { return o.plan.message; },
-          "Why nothing was found, or why the search ended early.")
-      .def_property_readonly(
-          "motions", [](const BodyOptimum& o) { return by_joint(o.scene.robot, o.plan.motion); },
-          "The best motion of each driven joint by its name.")
-      .def_property_readonly("goal", &BodyOptimum::goal, "What was minimised.")
-      .def_property_readonly(
-          "value", [](const BodyOptimum& o) { return o.plan.value; }, "Of the goal [m/s^2].")
-      .def_property_readonly(
-          "held_value", [](const BodyOptimum& o) { return o.plan.held_value; }, "The same of the held posture [m/s^2].")
-      .def_property_readonly(
-          "peak", [](const BodyOptimum& o) { return o.plan.landing.peak; }, "Peak of the scene's own drop [m/s^2].")
-      .def_property_readonly(
-          "held_peak", [](const BodyOptimum& o) { return o.plan.held.peak; }, "The same of the held posture [m/s^2].")
-      .def_property_readonly(
-          "edges", [](const BodyOptimum& o) { return edges_of(o.plan.variables, o.plan.edges); },
-          "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".")
-      .def_property_readonly(
-          "evaluations", [](const BodyOptimum& o) { return o.plan.evaluations; },
-          "Motions that were searched, under scatter landings.")
-      .def_property_readonly(
-          "seconds", [](const BodyOptimum& o) { return o.plan.seconds; }, "From the call to the answer [s].")
-      .def_property_readonly(
-          "landing", [played](const BodyOptimum& o) { return played(o, o.plan.motion, o.plan.landing); },
-          "The landing of the motions.")
-      .def_property_readonly(
-          "held", [played](const BodyOptimum& o) { return played(o, o.plan.hold, o.plan.held); },
-          "The landing of the held posture.")
-      .def_property_readonly(
-          "loads",
-          [](const BodyOptimum& o) { return o.plan.found ? loads_of_landing(o.scene, o.plan.landing) : py::dict(); },
-          "What the parts of the robot bear in the scene's own drop, as RobotLanding.loads; of limits too.")
-      .def_property_readonly(
-          "share", [](const BodyOptimum& o) { return tools::kept_share(o.plan); },
-          "The share of fresh drops in which the motions keep every limit [1]; None: no fresh drops were played.")
-      .def("__repr__", [](const BodyOptimum& o) {
-        if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
-        return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
-                           minimised(o.goal(), o.plan.value));
-      });
+  property(c, "found", "Whether anything could be followed to the floor.", [](auto& o) { return o.plan.found; });
+  property(c, "message", "Why nothing was found, or why the search ended early.",
+           [](auto& o) { return o.plan.message; });
+  property(c, "motions", "The best motion of each driven joint by its name.",
+           [](auto& o) { return by_joint(o.scene.robot, o.plan.motion); });
+  property(c, "goal", "What was minimised.", &BodyOptimum::goal);
+  property(c, "value", "Of the goal [m/s^2].", [](auto& o) { return o.plan.value; });
+  property(c, "held_value", "The same of the held posture [m/s^2].", [](auto& o) { return o.plan.held_value; });
+  property(c, "peak", "Peak of the scene's own drop [m/s^2].", [](auto& o) { return o.plan.landing.peak; });
+  property(c, "held_peak", "The same of the held posture [m/s^2].", [](auto& o) { return o.plan.held.peak; });
+  property(c, "edges", "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".",
+           [](auto& o) { return edges_of(o.plan.variables, o.plan.edges); });
+  property(c, "evaluations", "Motions that were searched, under scatter landings.",
+           [](auto& o) { return o.plan.evaluations; });
+  property(c, "seconds", "From the call to the answer [s].", [](auto& o) { return o.plan.seconds; });
+  property(c, "landing", "The landing of the motions.",
+           [played](auto& o) { return played(o, o.plan.motion, o.plan.landing); });
+  property(c, "held", "The landing of the held posture.",
+           [played](auto& o) { return played(o, o.plan.hold, o.plan.held); });
+  property(c, "loads",
+           "What the parts of the robot bear in the scene's own drop, as RobotLanding.loads; of limits too.",
+           [](auto& o) { return o.plan.found ? loads_of_landing(o.scene, o.plan.landing) : py::dict(); });
+  property(c, "share",
+           "The share of fresh drops in which the motions keep every limit [1]; None: no fresh drops were played.",
+           [](auto& o) { return tools::kept_share(o.plan); });
+  c.def("__repr__", [](const BodyOptimum& o) {
+    if (!o.plan.found) return "<ukemi.RobotOptimum: " + o.plan.message + ">";
+    return fmt::format("<ukemi.RobotOptimum: {}; {}>", tools::motion_words(o.scene.robot, o.plan.motion),
+                       minimised(o.goal(), o.plan.value));
+  });
   bind_value(c);
   bind_report(
-      c, tools::kOptimizeOutputs,
-      [](const BodyOptimum& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); },
-      [](const BodyOptimum& o) { return o.options.seed; });
+      c, tools::kOptimizeOutputs, [](auto& o) { return o.options.seed; },
+      [](auto& o, tools::Run& run) { return report(o.scene, o.plan, o.options, o.options.rate, {}, run); });
 }
-
-}  // namespace
-
-BodyScene with_limits(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
-  forbid(scene, forbidden);
-  if (ratings) (void)respect_ratings(scene);
-  return scene;
-}
-BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const std::string& objective,
-                             std::optional<long> evaluations, const std::optional<std::string>& robust,
-                             const std::optional<std::string>& scatter, double inflate, long samples, int threads) {
-  BodyPlanOptions out;
-  out.goal = goal_of(objective), out.evaluations = evaluations;
-  if (robust) out.measure = Measure::parse("robust", *robust);
-  out.scatter = parsed_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
-  out.seed = seed, out.threads = threads;
-  out.validate();
-  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // throws for what this base lacks
-  return out;
-}
-
-namespace {
 
 BodyOptimum planned(const BodyScene& scene, BodyPlanOptions options) {
   options.validate();
@@ -150,10 +111,7 @@ class PythonBodyPlanner {
 
   template <class State>
   BodyAnswer plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
-    const py::gil_scoped_release release;
-    return planner_.plan(state, deadline, seed);
+    return alone(mutex_, "planner", [&] { return planner_.plan(state, deadline, seed); });
   }
   BodyAnswer plan_in_air(double height, const std::map<std::string, std::pair<double, double>>& joints,
                          double forward_speed, double pitch, double pitch_rate, double elapsed,
@@ -229,8 +187,7 @@ void bind_body_planner(py::module_& m) {
           py::arg("pitch_rate") = 0.0, py::arg("elapsed") = 0.0, py::arg("vertical_speed") = py::none(),
           py::arg("deadline") = 0.05, py::arg("seed") = 1,
           "The same for a robot that falls already: joints is a dict of (angle [rad], rate [rad/s]) of each driven "
-          "joint, "
-          "elapsed: the time since release [s], vertical_speed upwards [m/s].");
+          "joint, elapsed: the time since release [s], vertical_speed upwards [m/s].");
 }
 
 /// The loads by name, each with the number and the share of drops in which it exceeds its rating.
@@ -255,20 +212,20 @@ std::map<std::string, double> touches_of(const BodyRiskResult& r) {
 void bind_body_risk(py::module_& m) {
   py::class_<BodyRiskResult> c(m, "RobotRisk", "The peaks of a robot of links over drops that scatter.");
   bind_peak_risk(
-      c, +[](const BodyRiskResult& r) -> const PeakRisk& { return r.risk; });
-  c.def_property_readonly("loads", loads_of_risk,
-                          "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its "
-                          "rating and their share [1].")
-      .def_property_readonly("touches", touches_of,
-                             "Of the contacts that must not touch, by name: the share of drops in which one does [1].");
+      c, [](auto& r) -> auto& { return r.risk; });
+  property(c, "loads",
+           "The loads and limits as RobotScene.loads, each with the drops in which it is beyond its rating and their "
+           "share [1].",
+           loads_of_risk);
+  property(c, "touches", "Of the contacts that must not touch, by name: the share of drops in which one does [1].",
+           touches_of);
   c.def("__repr__", [](const BodyRiskResult& r) {
     return "<ukemi.RobotRisk: " + tools::distribution_words(r.risk.peaks) + " m/s^2>";
   });
   bind_value(c);
   bind_report(
-      c, tools::kRiskOutputs,
-      [](const BodyRiskResult& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); },
-      [](const BodyRiskResult& r) { return r.options.seed; });
+      c, tools::kRiskOutputs, [](auto& r) { return r.options.seed; },
+      [](auto& r, tools::Run& run) { return report(r.scene, r.motion, r.risk, r.options, run); });
   m.def(
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
@@ -293,6 +250,24 @@ void bind_body_risk(py::module_& m) {
 }
 
 }  // namespace
+
+BodyScene with_limits(BodyScene scene, const std::vector<std::string>& forbidden, bool ratings) {
+  forbid(scene, forbidden);
+  if (ratings) (void)respect_ratings(scene);
+  return scene;
+}
+BodyPlanOptions plan_options(const BodyScene& scene, std::uint64_t seed, const std::string& objective,
+                             std::optional<long> evaluations, const std::optional<std::string>& robust,
+                             const std::optional<std::string>& scatter, double inflate, long samples, int threads) {
+  BodyPlanOptions out;
+  out.goal = goal_of(objective), out.evaluations = evaluations;
+  if (robust) out.measure = Measure::parse("robust", *robust);
+  out.scatter = parsed_scatter(scatter), out.inflate = inflation(inflate), out.samples = samples;
+  out.seed = seed, out.threads = threads;
+  out.validate();
+  if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // throws for what this base lacks
+  return out;
+}
 
 void bind_body_plan(py::module_& m) {
   bind_body_optimum(m), bind_body_optimize(m), bind_body_planner(m), bind_body_risk(m);

@@ -8,8 +8,6 @@
 #include "landing/model/scene_file.hpp"
 #include "tools/python/floor_fit.hpp"
 #include "tools/python/landing.hpp"
-#include "tools/report/estimates.hpp"
-#include "tools/report/results.hpp"
 #include "tools/study/calibration.hpp"
 
 namespace ukemi::python {
@@ -34,6 +32,13 @@ std::vector<double> drop_output(const std::string& output, const std::optional<N
   return out;
 }
 
+std::map<std::string, double> rms_by_output(const tools::FloorFit& fit) {
+  std::map<std::string, double> out;
+  for (std::size_t o = 0; o < fit.channels.size(); ++o)
+    if (std::isfinite(fit.noise[o])) out[fit.channels[o].name] = fit.rms[o];
+  return out;
+}
+
 namespace {
 
 using tools::Calibration, tools::LoggedDrop, tools::DropResult;
@@ -53,10 +58,7 @@ struct PlayedDrop {
   std::optional<double> height, forward_speed;
 
   LoggedDrop logged_drop(const Scene& scene) const {
-    LoggedDrop out{log, motion, scene.drop};
-    out.thrown.height = height.value_or(scene.drop.height);
-    out.thrown.forward_speed = forward_speed.value_or(scene.drop.forward_speed);
-    return out;
+    return {log, motion, dropped(scene.drop, {height, forward_speed})};
   }
 };
 
@@ -68,22 +70,18 @@ void bind_logs(py::module_& m) {
           return log_of(t, {acc, ax, ay, x_0, y_0, phi_0}, name);
         }),
         "Times t from release [s]; |ddr_0| acc, its components ax and ay [m/s^2], the centre of mass x_0, y_0 [m], "
-        "pitch "
-        "phi_0 [rad]: arrays as long as t, NaN where not measured, or None.",
+        "pitch phi_0 [rad]: arrays as long as t, NaN where not measured, or None.",
         py::arg("t"), py::arg("acc") = py::none(), py::arg("ax") = py::none(), py::arg("ay") = py::none(),
         py::arg("x_0") = py::none(), py::arg("y_0") = py::none(), py::arg("phi_0") = py::none(),
         py::arg("name") = "drop")
-      .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.")
-      .def_property_readonly(
-          "t", [](const py::object& self) { return view(self.cast<const DropLog&>().t, self); },
-          "Times from release [s].");
+      .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.");
+  column_property(c, "t", "Times from release [s].", &DropLog::t);
   for (std::size_t o = 0; o < kOutputs; ++o)
-    c.def_property_readonly(
-        kOutputNames[o], [o](const py::object& self) { return view(self.cast<const DropLog&>().output[o], self); },
-        fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]).c_str());
+    column_property(
+        c, kOutputNames[o], fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]),
+        [o](auto& d) -> auto& { return d.output[o]; });
   bind_value(c);
-  m.def(
-      "read_drop", [](const Path& path) { return read_drop(path); }, py::arg("path"), "Reads a log of a drop (CSV).");
+  bind_reader(m, "read_drop", "Reads a log of a drop (CSV).", [](const Path& path) { return read_drop(path); });
 }
 
 void bind_drop(py::module_& m) {
@@ -102,36 +100,7 @@ void bind_drop(py::module_& m) {
   bind_value(c);
 }
 
-/// A calibration with its drops, and validation drops that were not fitted.
-struct Calibrated {
-  tools::CalibratedDrops fitted;
-  std::optional<tools::CalibratedDrops> validation;
-  std::uint64_t seed = 1;
-};
-
-std::vector<LoggedDrop> logged_drops(const std::vector<PlayedDrop>& played, const Scene& scene) {
-  std::vector<LoggedDrop> out;
-  for (const PlayedDrop& d : played) out.push_back(d.logged_drop(scene));
-  return out;
-}
-
-Calibrated calibrated(const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& played,
-                      const std::vector<PlayedDrop>& held_out, tools::CalibrationOptions options) {
-  options.validate();
-  require_gains(actuator);
-  Calibrated out{{logged_drops(played, scene), {}}, {}, options.seed};
-  const std::vector<LoggedDrop> others = logged_drops(held_out, scene);
-  check_drops(scene, out.fitted.drops);
-  if (!others.empty()) check_drops(scene, others);
-  long_call([&](const std::function<bool()>& stop) {
-    options.monitor.stop = stop;
-    Calibration& c = out.fitted.result = tools::calibrate(scene, actuator.sea, out.fitted.drops, options);
-    c.scene.floor_source = "calibrated from drop logs by ukemi";
-    if (!others.empty() && !stop()) out.validation = {others, tools::validate(c.scene, actuator.sea, others, options)};
-    return true;
-  });
-  return out;
-}
+using Calibrated = CalibratedOf<tools::CalibratedDrops>;
 
 void bind_drop_fit(py::module_& m) {
   py::class_<DropResult> c(m, "DropFit", "One drop, simulated beside its log.");
@@ -142,37 +111,19 @@ void bind_drop_fit(py::module_& m) {
   bind_value(c);
 }
 
-void bind_calibration(py::module_& m) {
-  py::class_<Calibrated> c(m, "Calibration", "The floor's constants and the pitch, fitted to drops.");
-  bind_estimates(
-      c, +[](const Calibrated& x) -> const identify::Estimates& { return x.fitted.result; });
-  bind_floor_fit(
-      c, +[](const Calibrated& x) -> const tools::FloorFit& { return x.fitted.result; });
-  bind_profiles(
-      c, +[](const Calibrated& x) { return x.fitted.result.profiles; });
-  c.def_property_readonly(
-       "scene", [](const Calibrated& x) { return x.fitted.result.scene; }, "The given scene with the fitted constants.")
-      .def_property_readonly(
-          "validation",
-          [](const Calibrated& x) { return x.validation ? x.validation->result.drops : std::vector<DropResult>{}; },
-          "The same of drops that were not fitted.")
-      .def("__repr__", [](const Calibrated& x) {
-        return fmt::format("<ukemi.Calibration of {} drops, cost {:.4g}{}>", x.fitted.drops.size(),
-                           x.fitted.result.cost, x.fitted.result.trusted() ? ", trusted" : "");
-      });
+void bind_paper_calibration(py::module_& m) {
+  auto c = bind_calibration<Calibrated>(
+      m, "Calibration", "The floor's constants and the pitch, fitted to drops.",
+      [](const Calibrated& x, tools::Run& run) { return report(x.fitted, x.validation, tools::Doubt::kReport, run); });
+  property(c, "scene", "The given scene with the fitted constants.", [](auto& x) { return x.fitted.result.scene; });
   bind_file(c, "the scene's file, with the constants' verdicts",
             [](const Calibrated& x) { return to_toml(x.fitted.result.scene, ""); });
-  bind_value(c);
-  bind_report(
-      c, tools::kCalibrateOutputs,
-      [](const Calibrated& x, tools::Run& run) { return report(x.fitted, x.validation, tools::Doubt::kReport, run); },
-      [](const Calibrated& x) { return x.seed; });
 }
 
 }  // namespace
 
 void bind_calibrate(py::module_& m) {
-  bind_logs(m), bind_drop(m), bind_drop_fit(m), bind_calibration(m);
+  bind_logs(m), bind_drop(m), bind_drop_fit(m), bind_paper_calibration(m);
   m.def(
       "calibrate",
       [](const Scene& scene, const Actuator& actuator, const std::vector<PlayedDrop>& drops,
@@ -183,7 +134,16 @@ void bind_calibrate(py::module_& m) {
         o.terms = chosen_terms(std::move(o.terms), free, nuisance, priors, lower, upper);
         o.accuracy = accuracy, o.seed = seed, o.profiles = profile;
         o.errors.assign(errors.begin(), errors.end());
-        return calibrated(scene, actuator, drops, validate, std::move(o));
+        require_gains(actuator);
+        const auto fit = [&](auto& logged, auto& options) {
+          Calibration c = tools::calibrate(scene, actuator.sea, logged, options);
+          c.scene.floor_source = "calibrated from drop logs by ukemi";
+          return c;
+        };
+        return calibrated_drops<tools::CalibratedDrops>(scene, drops, validate, std::move(o), fit,
+                                                        [&](auto& fitted, auto& others, auto& options) {
+                                                          return tools::validate(fitted, actuator.sea, others, options);
+                                                        });
       },
       py::arg("scene"), py::arg("actuator"), py::arg("drops"), py::arg("free") = py::none(),
       py::arg("nuisance") = std::vector<std::string>{}, py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},

@@ -86,9 +86,8 @@ Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, F
 
 void bind_constants(py::class_<Actuator>& c) {
   for (const ActuatorConstant& constant : actuator_constants())
-    c.def_property_readonly(
-        constant.key, [at = constant.at](const Actuator& a) { return a.sea.*at; },
-        fmt::format("{} [{}].", constant.meaning, constant.unit).c_str());
+    property(c, constant.key, fmt::format("{} [{}].", constant.meaning, constant.unit).c_str(),
+             [at = constant.at](auto& a) { return a.sea.*at; });
 }
 
 void bind_actuator(py::module_& m) {
@@ -118,28 +117,23 @@ void bind_actuator(py::module_& m) {
   c.def_readonly("name", &Actuator::name, "What it is called.")
       .def_readonly("speed_max", &Actuator::speed_max, "Rated speed of the motor at the output [rad/s], or None.")
       .def_readonly("motor_torque_max", &Actuator::motor_torque_max,
-                    "Rated torque of the motor at the output [Nm], or None.")
-      .def_property_readonly(
-          "feedback", [](const Actuator& a) { return a.sea.feedback; }, "Which angle Eq. 3 feeds back.")
-      .def_readonly("uncertain", &Actuator::uncertain, "The constants that a fit found, in the order of `covariance`.")
-      .def_property_readonly(
-          "covariance", [](const Actuator& a) -> Eigen::MatrixXd { return eigen(a.covariance); },
-          "Covariance of `uncertain` [product of their units].")
-      .def_property_readonly(
-          "verdicts",
-          [](const Actuator& a) { return std::map<std::string, std::string>(a.verdicts.begin(), a.verdicts.end()); },
-          "How far the fit that found a constant may be relied on, by its name.")
-      .def("standard_error", &Actuator::standard_error, py::arg("constant"),
-           "Standard error of a constant [its unit], or None.")
+                    "Rated torque of the motor at the output [Nm], or None.");
+  property(c, "feedback", "Which angle Eq. 3 feeds back.", [](auto& a) { return a.sea.feedback; });
+  c.def_readonly("uncertain", &Actuator::uncertain, "The constants that a fit found, in the order of `covariance`.");
+  property(c, "covariance", "Covariance of `uncertain` [product of their units].",
+           [](auto& a) -> Eigen::MatrixXd { return eigen(a.covariance); });
+  property(c, "verdicts", "How far the fit that found a constant may be relied on, by its name.",
+           [](auto& a) { return std::map<std::string, std::string>(a.verdicts.begin(), a.verdicts.end()); });
+  c.def("standard_error", &Actuator::standard_error, py::arg("constant"),
+        "Standard error of a constant [its unit], or None.")
       .def("__repr__", [](const Actuator& a) {
         return fmt::format("<ukemi.Actuator '{}': k_p {:.6g}, k_d {:.6g}, k_sea {:.6g}, c_sea {:.6g}, i_motor {:.6g}>",
                            a.name, a.sea.k_p, a.sea.k_d, a.sea.k_sea, a.sea.c_sea, a.sea.i_motor);
       });
   bind_file(c, "an actuator file", [](const Actuator& a) { return to_toml(a); });
   bind_value(c);
-  m.def(
-      "read_actuator", [](const Path& path) { return read_actuator(path); }, py::arg("path"),
-      "Reads an actuator file (TOML).");
+  bind_reader(m, "read_actuator", "Reads an actuator file (TOML).",
+              [](const Path& path) { return read_actuator(path); });
 }
 
 }  // namespace
@@ -162,22 +156,19 @@ void bind_common(py::module_& m) {
       .def_readonly("value", &Estimate::value, "Its value [unit].")
       .def_readonly("std", &Estimate::std, "Standard error [unit], or None where it cannot be estimated.")
       .def_readonly("std_noise", &Estimate::std_noise,
-                    "The part of it that is the logs' noise [unit]; the rest are errors that the rig states.")
-      .def_property_readonly(
-          "ci95",
-          [](const Estimate& e) { return e.std ? std::optional(std::pair(e.ci_low, e.ci_high)) : std::nullopt; },
-          "95 % interval [unit], or None.")
-      .def_readonly("at_bound", &Estimate::at_bound, "Whether it stands at a bound.")
-      .def_readonly("free", &Estimate::free, "Whether it was fitted.")
-      .def_property_readonly(
-          "verdict", [](const Estimate& e) { return name(e.verdict); },
-          "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed; of "
-          "what was fitted along: fitted.")
-      .def("__float__", [](const Estimate& e) { return e.value; })
-      .def("__repr__", [](const Estimate& e) {
-        return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,
-                           e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
-      });
+                    "The part of it that is the logs' noise [unit]; the rest are errors that the rig states.");
+  property(estimate, "ci95", "95 % interval [unit], or None.",
+           [](auto& e) { return e.std ? std::optional(std::pair(e.ci_low, e.ci_high)) : std::nullopt; });
+  estimate.def_readonly("at_bound", &Estimate::at_bound, "Whether it stands at a bound.")
+      .def_readonly("free", &Estimate::free, "Whether it was fitted.");
+  property(estimate, "verdict",
+           "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed; of what was "
+           "fitted along: fitted.",
+           [](auto& e) { return name(e.verdict); });
+  estimate.def("__float__", [](const Estimate& e) { return e.value; }).def("__repr__", [](const Estimate& e) {
+    return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,
+                       e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
+  });
   bind_value(estimate);
   bind_actuator(m);
 }

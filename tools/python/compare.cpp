@@ -20,77 +20,52 @@ struct ComparisonResult {
 void bind_parts(py::module_& m) {
   py::class_<ConstantDifference> constant(m, "ConstantDifference", "A constant in both sets.");
   constant.def_readonly("name", &ConstantDifference::name, "Its name.")
-      .def_readonly("unit", &ConstantDifference::unit, "Its unit.")
-      .def_property_readonly(
-          "nominal", [](const ConstantDifference& d) { return d.value[0]; }, "The nominal value [unit].")
-      .def_property_readonly(
-          "identified", [](const ConstantDifference& d) { return d.value[1]; }, "The identified value [unit].")
-      .def_property_readonly("difference", &ConstantDifference::difference, "identified - nominal [unit].")
-      .def_readonly("std", &ConstantDifference::std, "Standard error of the identified one [unit], or None.")
-      .def_property_readonly("z", &ConstantDifference::z, "The difference in standard errors [1], or None.")
-      .def("__repr__", [](const ConstantDifference& d) {
-        return fmt::format("<ukemi.ConstantDifference {}: {:.6g}, {:.6g} {}>", d.name, d.value[0], d.value[1], d.unit);
-      });
+      .def_readonly("unit", &ConstantDifference::unit, "Its unit.");
+  property(constant, "nominal", "The nominal value [unit].", [](auto& d) { return d.value[0]; });
+  property(constant, "identified", "The identified value [unit].", [](auto& d) { return d.value[1]; });
+  property(constant, "difference", "identified - nominal [unit].", &ConstantDifference::difference);
+  constant.def_readonly("std", &ConstantDifference::std, "Standard error of the identified one [unit], or None.");
+  property(constant, "z", "The difference in standard errors [1], or None.", &ConstantDifference::z);
+  constant.def("__repr__", [](const ConstantDifference& d) {
+    return fmt::format("<ukemi.ConstantDifference {}: {:.6g}, {:.6g} {}>", d.name, d.value[0], d.value[1], d.unit);
+  });
   bind_value(constant);
   py::class_<ComparedMotion> motion(m, "ComparedMotion", "The best motion of one set, landed under both.");
-  motion.def_readonly("set", &ComparedMotion::set, "Whose best it is: nominal, identified.")
-      .def_property_readonly(
-          "motion",
-          [](const ComparedMotion& c) {
-            return PlannedMotion{c.best.motion, "peak", c.best.value};
-          },
-          "The motion.")
-      .def_property_readonly(
-          "peaks",
-          [](const ComparedMotion& c) {
-            std::map<std::string, double> out;
-            for (const std::size_t s : {0, 1})
-              if (c.landings[s]) out[tools::kSets[s]] = c.landings[s]->peak;
-            return out;
-          },
-          "Its peak under each set, by the set's name [m/s^2].");
+  motion.def_readonly("set", &ComparedMotion::set, "Whose best it is: nominal, identified.");
+  property(motion, "motion", "The motion.", [](auto& c) { return PlannedMotion{c.best.motion, "peak", c.best.value}; });
+  property(motion, "peaks", "Its peak under each set, by the set's name [m/s^2].", [](auto& c) {
+    std::map<std::string, double> out;
+    for (const std::size_t s : {0, 1})
+      if (c.landings[s]) out[tools::kSets[s]] = c.landings[s]->peak;
+    return out;
+  });
   bind_value(motion);
   py::class_<ComparedPlan> plan(m, "ComparedPlan", "A plan for drops that scatter, and what it comes to in truth.");
-  plan.def_readonly("set", &ComparedPlan::set, "With what it was planned.")
-      .def_property_readonly(
-          "motion",
-          [](const ComparedPlan& c) {
-            return PlannedMotion{c.best.motion, "peak under scatter", c.best.value};
-          },
-          "The motion, with what it promised.")
-      .def_property_readonly(
-          "truth", [](const ComparedPlan& c) { return c.truth.planned; },
-          "Its peaks where the identified constants are the truth [m/s^2].");
+  plan.def_readonly("set", &ComparedPlan::set, "With what it was planned.");
+  property(plan, "motion", "The motion, with what it promised.", [](auto& c) {
+    return PlannedMotion{c.best.motion, "peak under scatter", c.best.value};
+  });
+  property(plan, "truth", "Its peaks where the identified constants are the truth [m/s^2].",
+           [](auto& c) { return c.truth.planned; });
   bind_value(plan);
 }
 
 void bind_comparison(py::module_& m) {
   py::class_<ComparisonResult> c(m, "Comparison", "Identified against nominal constants.");
-  c.def_property_readonly(
-       "constants", [](const ComparisonResult& r) { return r.comparison.constants; }, "Each a ConstantDifference.")
-      .def_property_readonly(
-          "rms",
-          [](const ComparisonResult& r) {
-            std::map<std::string, double> out;
-            if (const auto& fits = r.comparison.predictions)
-              for (const std::size_t s : {0, 1}) out[tools::kSets[s]] = (*fits)[s].rms;
-            return out;
-          },
-          "Residual of the trials for each set, by its name [rad]; empty without trials.")
-      .def_property_readonly(
-          "motions", [](const ComparisonResult& r) { return r.comparison.motions; },
-          "With a scene: the best motion of each set.")
-      .def_property_readonly(
-          "plans", [](const ComparisonResult& r) { return r.comparison.plans; },
-          "With a measure: plans for drops that scatter.")
-      .def_property_readonly(
-          "complete", [](const ComparisonResult& r) { return r.comparison.complete; },
-          "Whether every rollout, search and landing worked out.");
+  property(c, "constants", "Each a ConstantDifference.", [](auto& r) { return r.comparison.constants; });
+  property(c, "rms", "Residual of the trials for each set, by its name [rad]; empty without trials.", [](auto& r) {
+    std::map<std::string, double> out;
+    if (const auto& fits = r.comparison.predictions)
+      for (const std::size_t s : {0, 1}) out[tools::kSets[s]] = (*fits)[s].rms;
+    return out;
+  });
+  property(c, "motions", "With a scene: the best motion of each set.", [](auto& r) { return r.comparison.motions; });
+  property(c, "plans", "With a measure: plans for drops that scatter.", [](auto& r) { return r.comparison.plans; });
+  property(c, "complete", "Whether every rollout, search and landing worked out.",
+           [](auto& r) { return r.comparison.complete; });
   bind_value(c);
-  bind_report(
-      c, tools::kCompareOutputs,
-      [](const ComparisonResult& r, tools::Run& run) { return report(r.comparison, {}, run); },
-      [](const ComparisonResult& r) { return r.seed; });
+  bind_report(c, tools::kCompareOutputs, &ComparisonResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.comparison, {}, run); });
 }
 
 std::optional<tools::RigTrials> measured_of(const std::vector<identify::Trial>& trials,

@@ -27,63 +27,45 @@ std::map<std::string, double> widths(const DesignResult& r, const Eigen::VectorX
 
 void bind_hit(py::module_& m) {
   py::class_<ProposedHit> c(m, "Hit", "A half-sine hit that is proposed.");
-  c.def_property_readonly(
-       "peak", [](const ProposedHit& h) { return h.hit.peak; }, "Its largest force [N]; below 0: the other way.")
-      .def_property_readonly(
-          "width", [](const ProposedHit& h) { return h.hit.width; }, "How long it lasts [s].")
-      .def_property_readonly(
-          "angle", [](const ProposedHit& h) { return h.safety.angle; }, "Largest |phi_1| at the estimate [rad].")
-      .def_property_readonly(
-          "worst_angle", [](const ProposedHit& h) { return h.safety.worst_angle; },
-          "The same within the constants' uncertainty [rad].")
-      .def_property_readonly(
-          "torque", [](const ProposedHit& h) { return h.safety.torque; },
-          "Largest torque of the spring before its limit [Nm].")
-      .def("__repr__", [](const ProposedHit& h) {
-        return fmt::format("<ukemi.Hit {:.4g} N for {:.4g} s>", h.hit.peak, h.hit.width);
-      });
+  property(c, "peak", "Its largest force [N]; below 0: the other way.", [](auto& h) { return h.hit.peak; });
+  property(c, "width", "How long it lasts [s].", [](auto& h) { return h.hit.width; });
+  property(c, "angle", "Largest |phi_1| at the estimate [rad].", [](auto& h) { return h.safety.angle; });
+  property(c, "worst_angle", "The same within the constants' uncertainty [rad].",
+           [](auto& h) { return h.safety.worst_angle; });
+  property(c, "torque", "Largest torque of the spring before its limit [Nm].", [](auto& h) { return h.safety.torque; });
+  c.def("__repr__",
+        [](const ProposedHit& h) { return fmt::format("<ukemi.Hit {:.4g} N for {:.4g} s>", h.hit.peak, h.hit.width); });
   bind_value(c);
 }
 
 void bind_design_class(py::module_& m) {
   py::class_<DesignResult> c(m, "Design", "Hits that shrink the constants' error bars most.");
-  c.def_property_readonly(
-       "found", [](const DesignResult& r) { return r.answer.design.status == Design::Status::kDone; },
-       "Whether there are safe hits that determine the constants.")
-      .def_property_readonly(
-          "message", [](const DesignResult& r) { return r.answer.design.message; }, "Why there are none.")
-      .def_property_readonly(
-          "hits", [](const DesignResult& r) { return r.answer.design.hits; }, "The proposed hits, each a trial.")
-      .def_property_readonly(
-          "before", [](const DesignResult& r) { return widths(r, r.answer.design.before); },
-          "Half of each constant's 95 % interval over its value, in hand [1].")
-      .def_property_readonly(
-          "after", [](const DesignResult& r) { return widths(r, r.answer.design.after); },
-          "The same with the hits, predicted [1].")
-      .def_property_readonly(
-          "criterion", [](const DesignResult& r) { return name(r.question.options.criterion); },
-          "What was minimised: worst, d or e.")
-      .def_property_readonly(
-          "value", [](const DesignResult& r) { return r.answer.design.size_after; },
-          "Of the criterion, with the hits [1].")
-      .def_property_readonly(
-          "agrees",
-          [](const DesignResult& r) { return r.answer.check ? std::optional(r.answer.check->agrees) : std::nullopt; },
-          "Whether simulated experiments scatter as predicted, or None where none were made.")
-      .def("__repr__", [](const DesignResult& r) {
-        const Design& d = r.answer.design;
-        if (d.status != Design::Status::kDone) return "<ukemi.Design: " + d.message + ">";
-        return fmt::format("<ukemi.Design of {} hits; criterion {} {:.4g}, before {:.4g}>", d.hits.size(),
-                           name(r.question.options.criterion), d.size_after, d.size_before);
-      });
+  property(c, "found", "Whether there are safe hits that determine the constants.",
+           [](auto& r) { return r.answer.design.status == Design::Status::kDone; });
+  property(c, "message", "Why there are none.", [](auto& r) { return r.answer.design.message; });
+  property(c, "hits", "The proposed hits, each a trial.", [](auto& r) { return r.answer.design.hits; });
+  property(c, "before", "Half of each constant's 95 % interval over its value, in hand [1].",
+           [](auto& r) { return widths(r, r.answer.design.before); });
+  property(c, "after", "The same with the hits, predicted [1].",
+           [](auto& r) { return widths(r, r.answer.design.after); });
+  property(c, "criterion", "What was minimised: worst, d or e.",
+           [](auto& r) { return name(r.question.options.criterion); });
+  property(c, "value", "Of the criterion, with the hits [1].", [](auto& r) { return r.answer.design.size_after; });
+  property(c, "agrees", "Whether simulated experiments scatter as predicted, or None where none were made.",
+           [](auto& r) { return r.answer.check ? std::optional(r.answer.check->agrees) : std::nullopt; });
+  c.def("__repr__", [](const DesignResult& r) {
+    const Design& d = r.answer.design;
+    if (d.status != Design::Status::kDone) return "<ukemi.Design: " + d.message + ">";
+    return fmt::format("<ukemi.Design of {} hits; criterion {} {:.4g}, before {:.4g}>", d.hits.size(),
+                       name(r.question.options.criterion), d.size_after, d.size_before);
+  });
   bind_value(c);
   bind_report(
-      c, tools::kDesignOutputs,
-      [](const DesignResult& r, tools::Run& run) {
+      c, tools::kDesignOutputs, [](auto& r) { return r.question.options.seed; },
+      [](auto& r, tools::Run& run) {
         for (const std::string& doubt : design_doubts(r.question)) run.warn(doubt);
         return report(r.question, r.answer, tools::Json::object(), run);
-      },
-      [](const DesignResult& r) { return r.question.options.seed; });
+      });
 }
 
 DesignOptions options_of(double peak, const std::pair<double, double>& width, double angle, int hits,

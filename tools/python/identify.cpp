@@ -106,74 +106,57 @@ void bind_trial_fit(py::module_& m) {
   py::class_<TrialResult> c(m, "TrialFit", "A trial as the constants predict it.");
   c.def_readonly("name", &TrialResult::file, "Of the trial.")
       .def_readonly("rms", &TrialResult::rms, "Of the residual [rad].")
-      .def_readonly("noise", &TrialResult::noise, "The log's own noise [rad].")
-      .def_property_readonly(
-          "phi", [](const py::object& self) { return view(self.cast<const TrialResult&>().phi, self); },
-          "Predicted output angle [rad].")
-      .def_property_readonly(
-          "phi_motor", [](const py::object& self) { return view(self.cast<const TrialResult&>().phi_m, self); },
-          "Predicted angle of the motor [rad].")
-      .def_property_readonly(
-          "torque", [](const py::object& self) { return view(self.cast<const TrialResult&>().torque, self); },
-          "Predicted torque of the spring [Nm].");
+      .def_readonly("noise", &TrialResult::noise, "The log's own noise [rad].");
+  column_property(c, "phi", "Predicted output angle [rad].", &TrialResult::phi);
+  column_property(c, "phi_motor", "Predicted angle of the motor [rad].", &TrialResult::phi_m);
+  column_property(c, "torque", "Predicted torque of the spring [Nm].", &TrialResult::torque);
   bind_value(c);
 }
 
 void bind_landing_of_fit(py::class_<Identified>& c) {
-  c.def_property_readonly(
-      "landing",
-      [](const Identified& i) {
-        std::map<std::string, double> out;
-        if (const auto& l = i.landing)
-          out = {{"peak", l->peak},
-                 {"mean", l->mean},
-                 {"deviation", l->deviation},
-                 {"worst_tenth", l->worst_tenth},
-                 {"samples", double(l->samples)},
-                 {"failed", double(l->failed)}};
-        return out;
-      },
-      "With a scene: what the fit's errors do to the motion's peak there [m/s^2]: peak, mean, deviation, "
-      "worst_tenth; samples, failed [1]. Empty without.");
+  property(c, "landing",
+           "With a scene: what the fit's errors do to the motion's peak there [m/s^2]: peak, mean, deviation, "
+           "worst_tenth; samples, failed [1]. Empty without.",
+           [](auto& i) {
+             std::map<std::string, double> out;
+             if (const auto& l = i.landing)
+               out = {{"peak", l->peak},
+                      {"mean", l->mean},
+                      {"deviation", l->deviation},
+                      {"worst_tenth", l->worst_tenth},
+                      {"samples", double(l->samples)},
+                      {"failed", double(l->failed)}};
+             return out;
+           });
 }
 
 void bind_identification(py::class_<Identified>& c) {
   bind_estimates(
-      c, +[](const Identified& i) -> const Estimates& { return i.found.fit; });
-  bind_profiles(
-      c,
-      +[](const Identified& i) { return i.found.trust ? i.found.trust->profiles : std::vector<identify::Profile>{}; });
+      c, [](auto& i) -> auto& { return i.found.fit; });
+  bind_profiles(c, [](auto& i) { return i.found.trust ? i.found.trust->profiles : std::vector<identify::Profile>{}; });
+  property(c, "actuator", "The constants with covariance and verdicts, as actuator.toml has them.",
+           [](auto& i) { return tools::fitted_actuator(i.question, i.found.fit); });
+  property(c, "rms", "Of the residuals [rad].", [](auto& i) { return i.found.fit.rms; });
+  property(c, "identifiable", "Whether the trials determine every fitted constant.",
+           [](auto& i) { return i.found.fit.identifiable; });
+  property(c, "feedback", "What the drive feeds back: the rig's, else the side whose fit is better.",
+           [](auto& i) { return i.found.fit.sea.feedback; });
+  property(c, "model_rejected", "Whether the residuals speak against the model.",
+           [](auto& i) { return i.found.trust && i.found.trust->tests.model_rejected(); });
   c.def_property_readonly(
-       "actuator", [](const Identified& i) { return tools::fitted_actuator(i.question, i.found.fit); },
-       "The constants with covariance and verdicts, as actuator.toml has them.")
-      .def_property_readonly(
-          "rms", [](const Identified& i) { return i.found.fit.rms; }, "Of the residuals [rad].")
-      .def_property_readonly(
-          "identifiable", [](const Identified& i) { return i.found.fit.identifiable; },
-          "Whether the trials determine every fitted constant.")
-      .def_property_readonly(
-          "feedback", [](const Identified& i) { return i.found.fit.sea.feedback; },
-          "What the drive feeds back: the rig's, else the side whose fit is better.")
-      .def_property_readonly(
-          "model_rejected", [](const Identified& i) { return i.found.trust && i.found.trust->tests.model_rejected(); },
-          "Whether the residuals speak against the model.")
-      .def_property_readonly(
-          "trials",
-          [](const py::object& self) {
-            py::list out;
-            for (const TrialResult& t : self.cast<const Identified&>().found.fit.trials)
-              out.append(py::cast(t, py::return_value_policy::reference_internal, self));
-            return out;
-          },
-          "Each trial as predicted, a TrialFit.")
-      .def_property_readonly(
-          "error_factor",
-          [](const Identified& i) { return i.judgement ? std::optional(i.judgement->factor) : std::nullopt; },
-          "Of a prediction [1]: its error over what the logs' noise and the constants' errors allow for; at most 1: it "
-          "holds. "
-          "None of a fit, NaN where too little is measured.")
-      .def("figure", &trial_figure, py::arg("trial") = 0,
-           "Angles of a trial [rad] over time [s], measured and predicted.")
+      "trials",
+      [](const py::object& self) {
+        py::list out;
+        for (const TrialResult& t : self.cast<const Identified&>().found.fit.trials)
+          out.append(py::cast(t, py::return_value_policy::reference_internal, self));
+        return out;
+      },
+      "Each trial as predicted, a TrialFit.");
+  property(c, "error_factor",
+           "Of a prediction [1]: its error over what the logs' noise and the constants' errors allow for; at most 1: "
+           "it holds. None of a fit, NaN where too little is measured.",
+           [](auto& i) { return i.judgement ? std::optional(i.judgement->factor) : std::nullopt; });
+  c.def("figure", &trial_figure, py::arg("trial") = 0, "Angles of a trial [rad] over time [s], measured and predicted.")
       .def(
           "_repr_svg_", [](const Identified& i) { return trial_figure(i, 0).svg; }, "What a notebook shows.")
       .def("__repr__", [](const Identified& i) {
@@ -223,10 +206,9 @@ void bind_identify(py::module_& m) {
       py::arg("diagnose") = false, py::arg("profile") = std::vector<std::string>{}, py::arg("seed") = 1,
       py::arg("threads") = 0, py::arg("scene") = py::none(), py::arg("motion") = py::none(),
       "Fits the actuator's constants to impact trials, as `ukemi identify`. free: names of the constants that are "
-      "fitted "
-      "(None: all); priors: name -> (value, standard deviation); lower, upper: name -> bound, each in the term's unit; "
-      "huber "
-      "[rad]; force_noise [N]; threads 0: all cores; scene, motion: a landing whose peak the fit's errors move.");
+      "fitted (None: all); priors: name -> (value, standard deviation); lower, upper: name -> bound, each in the "
+      "term's unit; huber [rad]; force_noise [N]; threads 0: all cores; scene, motion: a landing whose peak the fit's "
+      "errors move.");
   m.def("predict", &predict_trials, py::arg("trials"), py::arg("rig"), py::arg("actuator"), py::arg("accuracy") = 1e-9,
         py::arg("force_noise") = py::none(), py::arg("multi_turn") = false, py::arg("start_angle") = py::none(),
         "The rig's motion for given constants [rad] beside each trial's log, and whether it holds (error_factor); as "

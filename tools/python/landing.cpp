@@ -42,15 +42,6 @@ std::vector<NamedTouch> named(const std::vector<Touch>& touches, const tools::Po
 namespace {
 
 void bind_trajectory(py::class_<Played>& c) {
-  const auto add = [&](const char* name, auto address, const char* words) {
-    c.def_property_readonly(
-        name,
-        [address](const py::object& self) {
-          const std::vector<Sample>& rows = self.cast<const Played&>().checked.landing.trajectory;
-          return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(Sample), self);
-        },
-        words);
-  };
   const std::pair<const char*, std::pair<double Sample::*, const char*>> columns[] = {
       {"t", {&Sample::t, "Times from release [s]; an event has two rows, its left and right limits."}},
       {"x_0", {&Sample::x0, "Thigh's centre of mass, forward [m]."}},
@@ -69,14 +60,12 @@ void bind_trajectory(py::class_<Played>& c) {
       {"tau_sea", {&Sample::tau_sea, "Torque of the spring [Nm]."}},
       {"phi_ref", {&Sample::phi_ref, "Reference [rad]."}}};
   for (const auto& [name, what] : columns)
-    add(
-        name, [member = what.first](const Sample& s) { return &(s.*member); }, what.second);
+    row_property(c, name, what.second, [member = what.first](auto& s) { return &(s.*member); });
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
     for (const int axis : {0, 1})
-      add(
-          fmt::format("f_{}_{}", kPointNames[j], "xy"[axis]).c_str(),
-          [j, axis](const Sample& s) { return s.force[j].data() + axis; },
-          fmt::format("Force of the floor on the {}, {} [N].", kPointNames[j], axis == 0 ? "forward" : "up").c_str());
+      row_property(c, fmt::format("f_{}_{}", kPointNames[j], "xy"[axis]).c_str(),
+                   fmt::format("Force of the floor on the {}, {} [N].", kPointNames[j], axis == 0 ? "forward" : "up"),
+                   [j, axis](auto& s) { return s.force[j].data() + axis; });
 }
 
 void bind_landing_class(py::module_& m) {
@@ -89,29 +78,18 @@ void bind_landing_class(py::module_& m) {
                     "Largest acceleration that counts from this touchdown to the next of any point [m/s^2].");
   bind_value(contact);
   py::class_<Played> c(m, "Landing", "One landing: released, in flight, through its contacts, to rest.");
-  bind_run_end(
-      c, +[](const Played& p) -> const RunEnd& { return p.checked.landing; }, "point");
-  bind_sensitivity(
-      c, +[](const Played& p) -> const landing::Sensitivity& { return p.checked.sensitivity; });
-  c.def_property_readonly(
-       "contacts", [](const Played& p) { return named(p.checked.landing.touches, tools::point_name); },
-       "Every contact, in the order of the touchdowns.")
-      .def_property_readonly(
-          "joint_lost", [](const Played& p) { return p.checked.landing.joint_lost; },
-          "Whether the joint turned right round: the drive has lost it.")
-      .def_property_readonly(
-          "energy_residual", [](const Played& p) { return p.checked.landing.energy_residual; },
-          "Mismatch of the energy check over the energy turned over [1].")
-      .def_property_readonly(
-          "motor_speed", [](const Played& p) { return p.checked.landing.demands.motor_speed; },
-          "Largest |dphi_m| [rad/s].")
-      .def_property_readonly(
-          "motor_torque", [](const Played& p) { return p.checked.landing.demands.motor_torque; },
-          "Largest |tau_mot| [Nm].")
-      .def("__repr__", [](const Played& p) {
-        return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.checked.landing.peak,
-                           p.checked.landing.t_peak, tools::contact_order(p.checked.landing.peaks));
-      });
+  bind_checked(
+      c, [](auto&) { return tools::point_name; }, "point");
+  property(c, "joint_lost", "Whether the joint turned right round: the drive has lost it.",
+           [](auto& p) { return p.checked.landing.joint_lost; });
+  property(c, "motor_speed", "Largest |dphi_m| [rad/s].",
+           [](auto& p) { return p.checked.landing.demands.motor_speed; });
+  property(c, "motor_torque", "Largest |tau_mot| [Nm].",
+           [](auto& p) { return p.checked.landing.demands.motor_torque; });
+  c.def("__repr__", [](const Played& p) {
+    return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.checked.landing.peak,
+                       p.checked.landing.t_peak, tools::contact_order(p.checked.landing.peaks));
+  });
   bind_figure(
       c,
       [](const Played& p) {
@@ -120,12 +98,9 @@ void bind_landing_class(py::module_& m) {
       "|ddr_0| [m/s^2] over time [s].");
   bind_trajectory(c);
   bind_value(c);
-  bind_report(
-      c, tools::kSimulateOutputs,
-      [](const Played& p, tools::Run& run) {
-        return report(p.checked, p.actuator, held_landing(p.checked, p.actuator.sea, p.rate), {}, run);
-      },
-      [](const Played&) { return 1; });
+  bind_report(c, tools::kSimulateOutputs, kNoSeed, [](auto& p, tools::Run& run) {
+    return report(p.checked, p.actuator, held_landing(p.checked, p.actuator.sea, p.rate), {}, run);
+  });
 }
 
 }  // namespace
@@ -147,8 +122,7 @@ void bind_landing(py::module_& m) {
       },
       py::arg("scene"), py::arg("actuator"), py::arg("motion"), py::arg("rate") = 1000.0, py::arg("accuracy") = 1e-9,
       "One landing, as `ukemi simulate`. rate: rows of the trajectory a second [Hz]; accuracy: relative tolerance of "
-      "each "
-      "step [1].");
+      "each step [1].");
 }
 
 }  // namespace ukemi::python

@@ -15,6 +15,22 @@ struct DropNumbers {
 /// The drop with these changes. Throws InputError for a number out of range.
 landing::Drop dropped(landing::Drop drop, const DropNumbers& numbers);
 
+/// Binds dropped(...), the same scene with another drop; check(scene) throws InputError for one that cannot be.
+template <class Scene, class Check>
+void bind_dropped(py::class_<Scene>& c, Check check) {
+  c.def(
+      "dropped",
+      [check](Scene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
+              std::optional<double> pitch_rate) {
+        s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
+        check(s);
+        return s;
+      },
+      py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
+      py::arg("pitch_rate") = py::none(),
+      "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
+}
+
 /// A motion found by a search, with its goal.
 struct PlannedMotion : landing::Motion {
   std::string goal;  ///< name of what was minimised
@@ -36,39 +52,51 @@ std::array<bool, landing::kPoints> points_of(const std::vector<std::string>& nam
 /// The goal of a name: peak, tolerant.
 landing::Goal goal_of(const std::string& text);
 
+/// Binds a column of the rows of a landing's trajectory, shown without a copy; address(row): of its number.
+template <class T, class Address, class... Options>
+void row_property(py::class_<T, Options...>& c, const char* name, const std::string& words, Address address) {
+  c.def_property_readonly(
+      name,
+      [address](const py::object& self) {
+        const auto& rows = self.cast<const T&>().checked.landing.trajectory;
+        return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(rows[0]), self);
+      },
+      words.c_str());
+}
+
 /// A contact with the name of its point.
 struct NamedTouch : landing::Touch {
   std::string name;
 };
 std::vector<NamedTouch> named(const std::vector<landing::Touch>& touches, const tools::PointName& name);
 
-/// Binds peak, end and failure of a run; of(result): the run.
-template <class T, class... Options>
-void bind_run_end(py::class_<T, Options...>& c, const landing::RunEnd& (*of)(const T&), const char* point) {
-  using landing::RunEnd;
-  c.def_property_readonly(
-       "peak", [of](const T& x) { return of(x).peak; }, "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].")
-      .def_property_readonly(
-          "t_peak", [of](const T& x) { return of(x).t_peak; }, "When, from release [s].")
-      .def_property_readonly(
-          "end", [of](const T& x) { return landing::name(of(x).end); }, "Why the run ended: rest, t_end, failed, ...")
-      .def_property_readonly(
-          "failure",
-          [of, point](const T& x) {
-            return landing::no_landing(of(x).end) ? tools::failure_words(of(x), point) : std::string();
-          },
-          "Why there is no landing; empty where there is one.");
-}
-/// Binds the peak's error estimate and sensitivity, if checked; of(result): the sensitivity.
-template <class T, class... Options>
-void bind_sensitivity(py::class_<T, Options...>& c, const landing::Sensitivity& (*of)(const T&)) {
-  c.def_property_readonly(
-       "error_estimate",
-       [of](const T& x) { return of(x).checked ? std::optional(of(x).error_estimate) : std::nullopt; },
-       "Estimated relative error of the peak [1], or None where it was not looked at.")
-      .def_property_readonly(
-          "sensitive", [of](const T& x) { return of(x).checked ? std::optional(of(x).sensitive) : std::nullopt; },
-          "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.");
+/// Binds what every landing tells; name(x): the names of its points, which messages call `point`.
+template <class T, class Name, class... Options>
+void bind_checked(py::class_<T, Options...>& c, Name name, const char* point) {
+  property(c, "peak", "Largest acceleration that counts, f(x) of Eq. 6 [m/s^2].",
+           [](auto& x) { return x.checked.landing.peak; });
+  property(c, "t_peak", "When, from release [s].", [](auto& x) { return x.checked.landing.t_peak; });
+  property(c, "end", "Why the run ended: rest, t_end, failed, ...",
+           [](auto& x) { return landing::name(x.checked.landing.end); });
+  property(c, "failure", "Why there is no landing; empty where there is one.", [point](auto& x) {
+    const landing::RunEnd& run = x.checked.landing;
+    return landing::no_landing(run.end) ? tools::failure_words(run, point) : std::string();
+  });
+  const auto checked = [](auto member) {
+    return [member](const T& x) {
+      const landing::Sensitivity& s = x.checked.sensitivity;
+      return s.checked ? std::optional(s.*member) : std::nullopt;
+    };
+  };
+  property(c, "error_estimate", "Estimated relative error of the peak [1], or None where it was not looked at.",
+           checked(&landing::Sensitivity::error_estimate));
+  property(c, "sensitive",
+           "Whether the motion stands beside a cliff of the objective, or None where it was not looked at.",
+           checked(&landing::Sensitivity::sensitive));
+  property(c, "contacts", "Every contact, in the order of the touchdowns.",
+           [name](auto& x) { return named(x.checked.landing.touches, name(x)); });
+  property(c, "energy_residual", "Mismatch of the energy check over the energy turned over [1].",
+           [](auto& x) { return x.checked.landing.energy_residual; });
 }
 
 template <>

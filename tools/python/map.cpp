@@ -61,26 +61,21 @@ struct SurveyResult {
 
 void bind_basin(py::module_& m) {
   py::class_<JudgedBasin> c(m, "Basin", "The best motion found near a local minimum of a map.");
-  c.def_property_readonly(
-       "motion", [](const JudgedBasin& b) { return b.basin.play.motion; }, "The motion.")
-      .def_property_readonly(
-          "peak", [](const JudgedBasin& b) { return b.basin.peak; }, "Its peak [m/s^2].")
-      .def_property_readonly(
-          "tolerant_peak", [](const JudgedBasin& b) { return b.evidence.tolerant.value; },
-          "The worst peak within the scene's execution tolerance [m/s^2].");
+  property(c, "motion", "The motion.", [](auto& b) { return b.basin.play.motion; });
+  property(c, "peak", "Its peak [m/s^2].", [](auto& b) { return b.basin.peak; });
+  property(c, "tolerant_peak", "The worst peak within the scene's execution tolerance [m/s^2].",
+           [](auto& b) { return b.evidence.tolerant.value; });
   bind_value(c);
 }
 
 void bind_survey(py::module_& m) {
   py::class_<SurveyResult> c(m, "Map", "The box of motions on a grid, and its basins.");
   bind_mapped(
-      c, +[](const SurveyResult& r) -> const MappedPeaks& { return r.survey; });
-  c.def_property_readonly(
-      "basins", [](const SurveyResult& r) { return r.survey.basins; }, "The distinct basins, the best first.");
+      c, [](auto& r) -> auto& { return r.survey; });
+  property(c, "basins", "The distinct basins, the best first.", [](auto& r) { return r.survey.basins; });
   bind_value(c);
-  bind_report(
-      c, tools::kMapOutputs, [](const SurveyResult& r, tools::Run& run) { return report(r.survey, run); },
-      [](const SurveyResult& r) { return r.seed; });
+  bind_report(c, tools::kMapOutputs, &SurveyResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.survey, run); });
 }
 
 void bind_map_call(py::module_& m) {
@@ -104,8 +99,7 @@ void bind_map_call(py::module_& m) {
       py::arg("scene"), py::arg("actuator"), py::arg("grid") = MapOptions().cells,
       py::arg("polish") = MapOptions().polished, py::arg("seed") = 1, py::arg("threads") = 0,
       "The whole box of motions on a grid, as `ukemi map`. grid: points of phi_i, phi_f, duration and, if the motion "
-      "has "
-      "more, those.");
+      "has more, those.");
 }
 
 /// The rated plans and their inputs.
@@ -149,24 +143,21 @@ void bind_ratings(py::module_& m) {
     return o.found ? std::optional(PlannedMotion{o.motion, goal, o.value}) : std::nullopt;
   };
   plan.def_readonly("motor_speed", &RatedPlan::speed, "Rated speed of the motor [rad/s].")
-      .def_readonly("motor_torque", &RatedPlan::torque, "Rated torque of the motor [Nm]; infinite: no limit.")
-      .def_property_readonly(
-          "lowest", [motion](const RatedPlan& p) { return motion(p.lowest, "peak"); },
-          "The motion with the smallest peak, or None.")
-      .def_property_readonly(
-          "tolerant", [motion](const RatedPlan& p) { return motion(p.tolerant, "tolerant peak"); },
-          "The motion with the smallest tolerant peak, or None.")
-      .def("__repr__", [](const RatedPlan& p) {
-        return fmt::format("<ukemi.RatedPlan {:.4g} rad/s, {:.4g} Nm: {}, {}>", p.speed, p.torque,
-                           minimised("peak", p.lowest.value), minimised("tolerant peak", p.tolerant.value));
-      });
+      .def_readonly("motor_torque", &RatedPlan::torque, "Rated torque of the motor [Nm]; infinite: no limit.");
+  property(plan, "lowest", "The motion with the smallest peak, or None.",
+           [motion](auto& p) { return motion(p.lowest, "peak"); });
+  property(plan, "tolerant", "The motion with the smallest tolerant peak, or None.",
+           [motion](auto& p) { return motion(p.tolerant, "tolerant peak"); });
+  plan.def("__repr__", [](const RatedPlan& p) {
+    return fmt::format("<ukemi.RatedPlan {:.4g} rad/s, {:.4g} Nm: {}, {}>", p.speed, p.torque,
+                       minimised("peak", p.lowest.value), minimised("tolerant peak", p.tolerant.value));
+  });
   bind_value(plan);
   py::class_<RatingsResult> c(m, "Ratings", "What speed buys: the best peaks against the motor's ratings.");
   c.def_readonly("plans", &RatingsResult::plans, "Every torque at every speed, speeds first; each a RatedPlan.");
   bind_value(c);
-  bind_report(
-      c, tools::kRatingsOutputs, [](const RatingsResult& r, tools::Run& run) { return report(r.scene, r.plans, run); },
-      [](const RatingsResult& r) { return r.seed; });
+  bind_report(c, tools::kRatingsOutputs, &RatingsResult::seed,
+              [](auto& r, tools::Run& run) { return report(r.scene, r.plans, run); });
   m.def(
       "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),
       py::arg("motor_torques") = py::none(), py::arg("evaluations") = py::none(), py::arg("seed") = 1,

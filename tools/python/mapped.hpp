@@ -15,22 +15,19 @@ py::dict axes_of(const landing::PeakMap& map);
 /// The smallest peak over varied variables number x and y.
 Figure figure(const landing::PeakMap& map, int x, int y);
 
-template <class T, class... Options>
-void bind_mapped(py::class_<T, Options...>& c, const landing::MappedPeaks& (*of)(const T&)) {
+template <class T, class Of, class... Options>
+void bind_mapped(py::class_<T, Options...>& c, Of of) {
   c.def_property_readonly(
-       "peak", [of](const py::object& self) { return peaks_view(of(self.cast<const T&>()).map, self); },
-       "Peaks [m/s^2], of a robot with loads the largest value / rating [1], an axis for each of `axes`; NaN where a "
-       "landing could not be followed or breaks a limit.")
-      .def_property_readonly(
-          "axes", [of](const T& x) { return axes_of(of(x).map); },
-          "The grid's values along each variable that has a grid, by its name [rad, s or 1].")
-      .def_property_readonly(
-          "failed", [of](const T& x) { return of(x).failed; }, "Landings that could not be followed.")
-      .def_property_readonly(
-          "joint_lost", [of](const T& x) { return of(x).lost; }, "Landings whose drive lost the joint.")
-      .def(
-          "figure", [of](const T& r, int x, int y) { return figure(of(r).map, x, y); }, py::arg("x") = 0,
-          py::arg("y") = 1, "The smallest peak [m/s^2] over the variables that are not drawn; x, y: indices of `axes`.")
+      "peak", [of](const py::object& self) { return peaks_view(of(self.cast<const T&>()).map, self); },
+      "Peaks [m/s^2], of a robot with loads the largest value / rating [1], an axis for each of `axes`; NaN where a "
+      "landing could not be followed or breaks a limit.");
+  property(c, "axes", "The grid's values along each variable that has a grid, by its name [rad, s or 1].",
+           [of](auto& x) { return axes_of(of(x).map); });
+  property(c, "failed", "Landings that could not be followed.", [of](auto& x) { return of(x).failed; });
+  property(c, "joint_lost", "Landings whose drive lost the joint.", [of](auto& x) { return of(x).lost; });
+  c.def(
+       "figure", [of](const T& r, int x, int y) { return figure(of(r).map, x, y); }, py::arg("x") = 0, py::arg("y") = 1,
+       "The smallest peak [m/s^2] over the variables that are not drawn; x, y: indices of `axes`.")
       .def(
           "_repr_svg_", [of](const T& x) { return figure(of(x).map, 0, 1).svg; }, "What a notebook shows.");
 }

@@ -9,8 +9,7 @@ void build(py::module_& m) {
   m.doc() =
       "ukemi: identify a series elastic actuator, plan the landing that it should make.\n\n"
       "SI units: m, s, rad, N, Nm, kg; what ends in _deg is in degrees. Bad input raises InputError. Long calls free "
-      "the "
-      "interpreter and end at Ctrl-C.";
+      "the interpreter and end at Ctrl-C.";
   m.attr("__version__") = UKEMI_VERSION;
   bind_common(m), bind_scene(m), bind_trials(m), bind_identify(m), bind_design(m);
   bind_landing(m), bind_optimize(m), bind_risk(m), bind_map(m), bind_planner(m);

@@ -78,66 +78,44 @@ Played played(const Answer& a, const Motion& motion, const Landing& landing) {
 }
 
 void bind_landings(py::class_<Answer>& c) {
-  c.def_property_readonly(
-       "landing", [](const Answer& a) { return played(a, a.best.motion, a.landing); }, "The landing of the motion.")
-      .def_property_readonly(
-          "held",
-          [](const Answer& a) {
-            return a.best.held ? std::optional(played(a, a.best.held->motion, a.held)) : std::nullopt;
-          },
-          "The landing of the held reference, or None where none is known.");
+  property(c, "landing", "The landing of the motion.", [](auto& a) { return played(a, a.best.motion, a.landing); });
+  property(c, "held", "The landing of the held reference, or None where none is known.",
+           [](auto& a) { return a.best.held ? std::optional(played(a, a.best.held->motion, a.held)) : std::nullopt; });
 }
 
 /// Binds the values of the motion and of the held posture.
 void bind_values(py::class_<Answer>& c) {
-  c.def_property_readonly("peak", &Answer::peak, "Its largest |ddr_0| [m/s^2].")
-      .def_property_readonly(
-          "tolerant_peak",
-          [](const Answer& a) { return a.tolerant_known ? std::optional(a.best.tolerant.value) : std::nullopt; },
-          "The worst peak within the scene's execution tolerance [m/s^2], or None where it was not played.")
-      .def_property_readonly(
-          "edges",
-          [](const Answer& a) {
-            const ReferenceSpace space(a.scene, a.best.sea);
-            return edges_of(space.variables(), a.best.edges);
-          },
-          "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".")
-      .def_property_readonly(
-          "held_deg",
-          [](const Answer& a) {
-            return a.best.held ? std::optional(a.best.held->motion.phi_i * kDegrees) : std::nullopt;
-          },
-          "The best posture to hold that the search found [deg], or None.")
-      .def_property_readonly("held_peak", &Answer::held_peak, "Of the reference held there [m/s^2].")
-      .def_property_readonly("reduction", &Answer::reduction, "1 - peak / held_peak [1].")
-      .def_property_readonly(
-          "value", [](const Answer& a) { return a.best.value; },
-          "Of the goal: the peak, the tolerant peak, or the measure under scatter [m/s^2].");
+  property(c, "peak", "Its largest |ddr_0| [m/s^2].", &Answer::peak);
+  property(c, "tolerant_peak",
+           "The worst peak within the scene's execution tolerance [m/s^2], or None where it was not played.",
+           [](auto& a) { return a.tolerant_known ? std::optional(a.best.tolerant.value) : std::nullopt; });
+  property(c, "edges", "Variables that lie on an edge of their search range, by name: \"lower\" or \"upper\".",
+           [](auto& a) {
+             const ReferenceSpace space(a.scene, a.best.sea);
+             return edges_of(space.variables(), a.best.edges);
+           });
+  property(c, "held_deg", "The best posture to hold that the search found [deg], or None.",
+           [](auto& a) { return a.best.held ? std::optional(a.best.held->motion.phi_i * kDegrees) : std::nullopt; });
+  property(c, "held_peak", "Of the reference held there [m/s^2].", &Answer::held_peak);
+  property(c, "reduction", "1 - peak / held_peak [1].", &Answer::reduction);
+  property(c, "value", "Of the goal: the peak, the tolerant peak, or the measure under scatter [m/s^2].",
+           [](auto& a) { return a.best.value; });
 }
 void bind_search(py::class_<Answer>& c) {
-  c.def_property_readonly(
-       "evaluations", [](const Answer& a) { return a.best.evaluations; }, "Motions that were searched.")
-      .def_property_readonly(
-          "seconds", [](const Answer& a) { return a.best.seconds; }, "That the search took [s].")
-      .def_property_readonly(
-          "solver", [](const Answer& a) { return a.best.solver; }, "That found it.");
+  property(c, "evaluations", "Motions that were searched.", [](auto& a) { return a.best.evaluations; });
+  property(c, "seconds", "That the search took [s].", [](auto& a) { return a.best.seconds; });
+  property(c, "solver", "That found it.", [](auto& a) { return a.best.solver; });
 }
 
 void bind_answer(py::module_& m) {
   py::class_<Answer> c(m, "Optimum", "The best motion that was found, its landing beside that of the held reference.");
-  c.def_property_readonly(
-       "found", [](const Answer& a) { return a.best.found; }, "Whether any motion could be followed within the limits.")
-      .def_property_readonly(
-          "message", [](const Answer& a) { return a.best.message; },
-          "Why nothing was found, or why the search ended before all was spent.")
-      .def_property_readonly(
-          "motion",
-          [](const Answer& a) {
-            return PlannedMotion{a.best.motion, tools::goal_words(a.options), a.best.value};
-          },
-          "The best motion, with what it minimised.")
-      .def_property_readonly(
-          "goal", [](const Answer& a) { return tools::goal_words(a.options); }, "What was minimised.");
+  property(c, "found", "Whether any motion could be followed within the limits.", [](auto& a) { return a.best.found; });
+  property(c, "message", "Why nothing was found, or why the search ended before all was spent.",
+           [](auto& a) { return a.best.message; });
+  property(c, "motion", "The best motion, with what it minimised.", [](auto& a) {
+    return PlannedMotion{a.best.motion, tools::goal_words(a.options), a.best.value};
+  });
+  property(c, "goal", "What was minimised.", [](auto& a) { return tools::goal_words(a.options); });
   bind_values(c), bind_search(c);
   c.def("__repr__", [](const Answer& a) {
     if (!a.best.found) return "<ukemi.Optimum: " + a.best.message + ">";
@@ -153,8 +131,8 @@ void bind_answer(py::module_& m) {
   bind_landings(c);
   bind_value(c);
   bind_report(
-      c, tools::kOptimizeOutputs, [](const Answer& a, tools::Run& run) { return report(a, a.options.rate, {}, run); },
-      [](const Answer& a) { return a.options.search.seed; });
+      c, tools::kOptimizeOutputs, [](auto& a) { return a.options.search.seed; },
+      [](auto& a, tools::Run& run) { return report(a, a.options.rate, {}, run); });
 }
 
 }  // namespace
@@ -179,11 +157,9 @@ void bind_optimize(py::module_& m) {
       py::arg("samples") = RobustOptions().samples, py::arg("rate") = 1000.0, py::arg("threads") = 0,
       py::arg("drops") = py::none(),
       "The knee motion with the smallest peak acceleration of the thigh (Eq. 6), as `ukemi optimize`. objective: peak "
-      "or "
-      "tolerant; deadline [s] from the call; forbid: of hip, knee, foot; robust: mean, cvar, quantile:Q or worst, over "
-      "drops "
-      "that scatter as the text scatter says (\"pitch_deg=1,height=0.01\"); rate: rows of the trajectories a second "
-      "[Hz].");
+      "or tolerant; deadline [s] from the call; forbid: of hip, knee, foot; robust: mean, cvar, quantile:Q or worst, "
+      "over drops that scatter as the text scatter says (\"pitch_deg=1,height=0.01\"); rate: rows of the trajectories "
+      "a second [Hz].");
 }
 
 }  // namespace ukemi::python

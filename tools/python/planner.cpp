@@ -1,8 +1,6 @@
 // Python bindings of the planner of a control program.
 #include <fmt/format.h>
 
-#include <mutex>
-
 #include "landing/search/planner.hpp"
 #include "tools/python/search.hpp"
 #include "tools/report/scatter.hpp"
@@ -29,10 +27,7 @@ class PythonPlanner {
 
   template <class State>
   NamedPlan plan(const State& state, double deadline, std::uint64_t seed) {
-    const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock) throw std::runtime_error("the planner is asked by another thread already");
-    const py::gil_scoped_release release;
-    return {planner_.plan(state, deadline, seed), goal_};
+    return {alone(mutex_, "planner", [&] { return planner_.plan(state, deadline, seed); }), goal_};
   }
 
  private:
@@ -58,29 +53,22 @@ Planner::Options planner_options(const Scene& scene, const Actuator& actuator, c
 
 void bind_plan(py::module_& m) {
   py::class_<NamedPlan> c(m, "Plan", "What a planner answers with.");
-  c.def_property_readonly(
-       "found", [](const NamedPlan& p) { return p.plan.found(); }, "Whether there is a motion: status is found.")
-      .def_property_readonly(
-          "status", [](const NamedPlan& p) { return name(p.plan.status); },
-          "found; nothing: nothing could be followed within the limits in the time given; floor_first: the floor comes "
-          "before the deadline; bad_input: `wrong` says which number cannot be.")
-      .def_property_readonly(
-          "wrong", [](const NamedPlan& p) { return p.plan.wrong; }, "With bad_input: the number and its rule.")
-      .def_property_readonly(
-          "motion",
-          [](const NamedPlan& p) {
-            return PlannedMotion{p.plan.motion, p.goal, p.plan.value};
-          },
-          "The motion, with what it minimised.")
-      .def_readonly("goal", &NamedPlan::goal, "What was minimised.")
-      .def_property_readonly(
-          "value", [](const NamedPlan& p) { return p.plan.value; }, "Of the goal [m/s^2].")
-      .def_property_readonly(
-          "motions", [](const NamedPlan& p) { return p.plan.motions; }, "Evaluated.")
-      .def("__repr__", [](const NamedPlan& p) {
-        if (!p.plan.found()) return fmt::format("<ukemi.Plan: {} {}>", name(p.plan.status), p.plan.wrong);
-        return fmt::format("<ukemi.Plan: {}; {}>", tools::motion_words(p.plan.motion), minimised(p.goal, p.plan.value));
-      });
+  property(c, "found", "Whether there is a motion: status is found.", [](auto& p) { return p.plan.found(); });
+  property(c, "status",
+           "found; nothing: nothing could be followed within the limits in the time given; floor_first: the floor "
+           "comes before the deadline; bad_input: `wrong` says which number cannot be.",
+           [](auto& p) { return name(p.plan.status); });
+  property(c, "wrong", "With bad_input: the number and its rule.", [](auto& p) { return p.plan.wrong; });
+  property(c, "motion", "The motion, with what it minimised.", [](auto& p) {
+    return PlannedMotion{p.plan.motion, p.goal, p.plan.value};
+  });
+  c.def_readonly("goal", &NamedPlan::goal, "What was minimised.");
+  property(c, "value", "Of the goal [m/s^2].", [](auto& p) { return p.plan.value; });
+  property(c, "motions", "Evaluated.", [](auto& p) { return p.plan.motions; });
+  c.def("__repr__", [](const NamedPlan& p) {
+    if (!p.plan.found()) return fmt::format("<ukemi.Plan: {} {}>", name(p.plan.status), p.plan.wrong);
+    return fmt::format("<ukemi.Plan: {}; {}>", tools::motion_words(p.plan.motion), minimised(p.goal, p.plan.value));
+  });
   bind_value(c);
 }
 
@@ -108,8 +96,7 @@ void bind_planner(py::module_& m) {
           py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch_deg") = 0.0,
           py::arg("pitch_rate_deg") = 0.0, py::arg("deadline") = 0.1, py::arg("seed") = 1,
           "The best motion for a drop by the deadline [s]: height [m], forward_speed [m/s], pitch_deg [deg], "
-          "pitch_rate_deg "
-          "[deg/s].")
+          "pitch_rate_deg [deg/s].")
       .def(
           "plan_in_air",
           [](PythonPlanner& p, double height, double forward_speed, double pitch_deg, double pitch_rate_deg,
@@ -123,8 +110,7 @@ void bind_planner(py::module_& m) {
           py::arg("phi_deg"), py::arg("rate_deg") = 0.0, py::arg("elapsed") = 0.0,
           py::arg("vertical_speed") = py::none(), py::arg("deadline") = 0.02, py::arg("seed") = 1,
           "The same for a robot that falls already: its clearance height [m], joint angle phi_deg [deg] and rate_deg "
-          "[deg/s], "
-          "the time since release [s] or vertical_speed [m/s], upwards. The scene must have a [release].");
+          "[deg/s], the time since release [s] or vertical_speed [m/s], upwards. The scene must have a [release].");
 }
 
 }  // namespace ukemi::python

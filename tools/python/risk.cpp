@@ -57,14 +57,12 @@ void bind_risk(py::module_& m) {
   bind_distribution(m);
   py::class_<RiskResult> c(m, "Risk", "The peaks of a motion over drops that scatter, and what scatters them.");
   bind_peak_risk(
-      c, +[](const RiskResult& r) -> const PeakRisk& { return r.study.risk; });
+      c, [](auto& r) -> auto& { return r.study.risk; });
   c.def("__repr__", [](const RiskResult& r) {
     return "<ukemi.Risk: " + tools::distribution_words(r.study.risk.peaks) + " m/s^2>";
   });
   bind_value(c);
-  bind_report(
-      c, tools::kRiskOutputs, [](const RiskResult& r, tools::Run& run) { return report(r.study, run); },
-      [](const RiskResult& r) { return r.seed; });
+  bind_report(c, tools::kRiskOutputs, &RiskResult::seed, [](auto& r, tools::Run& run) { return report(r.study, run); });
   m.def(
       "risk",
       [](const Scene& scene, const Actuator& actuator, const Motion& motion, const std::optional<std::string>& scatter,
@@ -91,10 +89,8 @@ void bind_risk(py::module_& m) {
       py::arg("forbid") = std::vector<std::string>{}, py::arg("seed") = 1, py::arg("threads") = 0,
       py::arg("drops") = py::none(),
       "Plays a motion over drops that scatter, as `ukemi risk`. scatter: \"pitch_deg=1,height=0.01\", None: the "
-      "scene's, else "
-      "1 deg, 1 cm, 3 cm/s; inflate: factor of the standard errors of the actuator's constants [1]; drops: a CSV file "
-      "of measured ones, in place of "
-      "drawn ones.");
+      "scene's, else 1 deg, 1 cm, 3 cm/s; inflate: factor of the standard errors of the actuator's constants [1]; "
+      "drops: a CSV file of measured ones, in place of drawn ones.");
 }
 
 }  // namespace ukemi::python

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/program/arguments.hpp"
 #include "tools/python/landing.hpp"
 #include "tools/report/design.hpp"
 
@@ -34,24 +35,19 @@ void bind_next_trial(py::module_& m) {
 
 void bind_robot_design_class(py::module_& m) {
   py::class_<RobotDesign> c(m, "RobotDesign", "Commands whose logs shrink the constants' error bars most.");
-  c.def_readonly("candidates", &RobotDesign::candidates, "In the order that they were given.")
-      .def_property_readonly(
-          "before", [](const RobotDesign& d) { return widths(d, d.before); },
-          "Half of each constant's 95 % interval over its value, or over the size that it is judged by, in hand [1].")
-      .def_property_readonly(
-          "after", [](const RobotDesign& d) { return widths(d, d.after); },
-          "The same with the chosen ones, predicted [1].")
-      .def_property_readonly(
-          "criterion", [](const RobotDesign& d) { return name(d.criterion); }, "What was minimised: worst, d or e.")
-      .def_readonly("value", &RobotDesign::size_after, "Of the criterion, with the chosen ones [1].")
+  c.def_readonly("candidates", &RobotDesign::candidates, "In the order that they were given.");
+  property(c, "before",
+           "Half of each constant's 95 % interval over its value, or over the size that it is judged by, in hand [1].",
+           [](auto& d) { return widths(d, d.before); });
+  property(c, "after", "The same with the chosen ones, predicted [1].", [](auto& d) { return widths(d, d.after); });
+  property(c, "criterion", "What was minimised: worst, d or e.", [](auto& d) { return name(d.criterion); });
+  c.def_readonly("value", &RobotDesign::size_after, "Of the criterion, with the chosen ones [1].")
       .def("__repr__", [](const RobotDesign& d) {
         return fmt::format("<ukemi.RobotDesign of {} candidates; criterion {} {:.4g}, before {:.4g}>",
                            d.candidates.size(), name(d.criterion), d.size_after, d.size_before);
       });
   bind_value(c);
-  bind_report(
-      c, tools::kDesignOutputs, [](const RobotDesign& d, tools::Run& run) { return report(d, run); },
-      [](const RobotDesign&) { return std::uint64_t(1); });
+  bind_report(c, tools::kDesignOutputs, kNoSeed, [](auto& d, tools::Run& run) { return report(d, run); });
 }
 
 }  // namespace
@@ -78,8 +74,8 @@ void bind_robot_design(py::module_& m) {
       py::arg("threads") = 0, py::arg("heights") = std::vector<double>{},
       "Which of some commands to log next, as `ukemi design --robot`. candidates: logs read with commands=True; free: "
       "the constants that are to be known; trials: in hand; noise: standard deviations of channels, as {\"phi\": 1e-3} "
-      "[their SI units]; count: how many are chosen; criterion: worst, d or e; heights: each candidate "
-      "from each of them, of the lowest contact over the floor [m].");
+      "[their SI units]; count: how many are chosen; criterion: worst, d or e; heights: each candidate from each of "
+      "them, of the lowest contact over the floor [m].");
 }
 
 }  // namespace ukemi::python

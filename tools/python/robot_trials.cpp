@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "landing/plan/design_numbers.hpp"
+#include "tools/python/floor_fit.hpp"
 #include "tools/python/landing.hpp"
 #include "tools/study/baselines.hpp"
 
@@ -45,27 +46,23 @@ RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bo
 void bind_robot(py::module_& m) {
   py::class_<DrivenRobot> c(m, "DrivenRobot", "A robot that logs drive, and what their commands pass through.");
   c.def(
-       "number", [](const DrivenRobot& r, const std::string& name) { return tools::number_of(r, name); },
-       py::arg("name"), "A constant by its way in the files, as \"drive.hip.i_motor\" or \"command.delay\".")
-      .def_property_readonly(
-          "scene", [](const DrivenRobot& r) { return r.scene; }, "The robot, as `simulate` takes it.")
-      .def("__repr__", [](const DrivenRobot& r) {
-        return fmt::format("<ukemi.DrivenRobot {} of {} links>", r.scene.name, r.scene.robot.links.size());
-      });
+      "number", [](const DrivenRobot& r, const std::string& name) { return tools::number_of(r, name); },
+      py::arg("name"), "A constant by its way in the files, as \"drive.hip.i_motor\" or \"command.delay\".");
+  property(c, "scene", "The robot, as `simulate` takes it.", [](auto& r) { return r.scene; });
+  c.def("__repr__", [](const DrivenRobot& r) {
+    return fmt::format("<ukemi.DrivenRobot {} of {} links>", r.scene.name, r.scene.robot.links.size());
+  });
   bind_value(c);
-  m.def(
-      "read_driven_robot", [](const Path& path) { return tools::read_driven_robot(path); }, py::arg("path"),
-      "Reads a robot, or a scene that has one, with its [command].");
+  bind_reader(m, "read_driven_robot", "Reads a robot, or a scene that has one, with its [command].",
+              [](const Path& path) { return tools::read_driven_robot(path); });
 }
 
 void bind_trials_of(py::module_& m) {
   py::class_<RobotTrial> c(m, "RobotTrial", "What was measured of a driven robot, and the commands of its log.");
-  c.def_property_readonly(
-       "name", [](const RobotTrial& t) { return t.log.file; }, "Its file, and what part of it.")
-      .def_readonly("origin", &RobotTrial::origin, "What the log's clock read at its first row [s].")
-      .def_property_readonly(
-          "t", [](const py::object& self) { return view(self.cast<const RobotTrial&>().log.t, self); },
-          "Times from its first row [s].");
+  property(c, "name", "Its file, and what part of it.", [](auto& t) { return t.log.file; });
+  c.def_readonly("origin", &RobotTrial::origin, "What the log's clock read at its first row [s].");
+  column_property(
+      c, "t", "Times from its first row [s].", [](auto& t) -> auto& { return t.log.t; });
   bind_value(c);
   m.def(
       "read_robot_trials",
@@ -100,36 +97,25 @@ void bind_result(py::module_& m) {
   py::class_<RobotIdentified> c(m, "RobotIdentification",
                                 "Constants of a robot of links fitted to trials, or trials predicted with them.");
   bind_estimates(
-      c, +[](const RobotIdentified& r) -> const identify::Estimates& { return r.fit; });
-  bind_profiles(
-      c, +[](const RobotIdentified& r) { return r.fit.profiles; });
-  c.def_property_readonly(
-       "robot", [](const RobotIdentified& r) { return r.fit.robot; }, "The given robot with the fitted constants.")
-      .def_property_readonly(
-          "model_rejected", [](const RobotIdentified& r) { return r.fit.tests.model_rejected(); },
-          "Whether the residuals speak against the robot.")
-      .def_property_readonly(
-          "rms",
-          [](const RobotIdentified& r) {
-            std::map<std::string, double> out;
-            for (std::size_t o = 0; o < r.fit.channels.size(); ++o)
-              if (std::isfinite(r.fit.noise[o])) out[r.fit.channels[o].name] = r.fit.rms[o];
-            return out;
-          },
-          "Residual of each output that was measured, by its name [its SI unit].")
-      .def_property_readonly(
-          "baselines",
-          [](const RobotIdentified& r) {
-            std::map<std::string, std::map<std::string, double>> out;
-            const auto all = tools::baselines(r.fit, tools::logs_of(r.trials));
-            for (std::size_t o = 0; o < all.size(); ++o)
-              if (all[o].known())
-                out[r.fit.channels[o].name] = {{"model", all[o].model}, {"held", all[o].held}, {"mean", all[o].mean}};
-            return out;
-          },
-          "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
-          "trials (NaN: fewer than three) [its SI unit].")
-      .def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
+      c, [](auto& r) -> auto& { return r.fit; });
+  bind_profiles(c, [](auto& r) { return r.fit.profiles; });
+  property(c, "robot", "The given robot with the fitted constants.", [](auto& r) { return r.fit.robot; });
+  property(c, "model_rejected", "Whether the residuals speak against the robot.",
+           [](auto& r) { return r.fit.tests.model_rejected(); });
+  property(c, "rms", "Residual of each output that was measured, by its name [its SI unit].",
+           [](auto& r) { return rms_by_output(r.fit); });
+  property(c, "baselines",
+           "Residuals on the same samples of the robot, of each trial's first value held, and of the mean of the other "
+           "trials (NaN: fewer than three) [its SI unit].",
+           [](auto& r) {
+             std::map<std::string, std::map<std::string, double>> out;
+             const auto all = tools::baselines(r.fit, tools::logs_of(r.trials));
+             for (std::size_t o = 0; o < all.size(); ++o)
+               if (all[o].known())
+                 out[r.fit.channels[o].name] = {{"model", all[o].model}, {"held", all[o].held}, {"mean", all[o].mean}};
+             return out;
+           });
+  c.def("outputs", outputs_of, py::arg("trial"), "Simulated outputs of a trial, by name.")
       .def("bands", bands_of, py::arg("trial"),
            "Of a prediction, by name: half of the 95 % band about each of `outputs`, of the errors of the robot's "
            "constants and of what the fit left [its SI unit]; empty where it is not known how well they are known.")
@@ -240,12 +226,11 @@ void bind_robot_trials(py::module_& m) {
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
       "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
       "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts; "
-      "where "
-      "neither the robot nor they say how late an elastic drive is, 1 ms of its control_delay and velocity_filter do; "
-      "per_run: of `free`, those that each log has for its own, \"NAME@1\" of the first; `.robot` has their mean. "
-      "controller: f(t, phi, dphi) -> torques, asked at "
-      "each row of a log for what it adds to the torque of each joint [Nm], from the log's clock [s], the angles [rad] "
-      "and rates [rad/s] of all joints of the file; it acts as a row's command does.");
+      "where neither the robot nor they say how late an elastic drive is, 1 ms of its control_delay and "
+      "velocity_filter do; per_run: of `free`, those that each log has for its own, \"NAME@1\" of the first; `.robot` "
+      "has their mean. controller: f(t, phi, dphi) -> torques, asked at each row of a log for what it adds to the "
+      "torque of each joint [Nm], from the log's clock [s], the angles [rad] and rates [rad/s] of all joints of the "
+      "file; it acts as a row's command does.");
   m.def(
       "predict_robot",
       [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, int threads, const PyController& controller) {
@@ -253,8 +238,7 @@ void bind_robot_trials(py::module_& m) {
       },
       py::arg("robot"), py::arg("trials"), py::arg("threads") = 0, py::arg("controller") = py::none(),
       "The trials for the robot's constants, as `ukemi predict --robot`; only how each starts is fitted. controller: "
-      "as "
-      "of identify_robot.");
+      "as of identify_robot.");
 }
 
 }  // namespace ukemi::python

@@ -48,32 +48,20 @@ void bind_scene_class(py::module_& m) {
       {"pitch", {&Drop::pitch, "Of the thigh at release [rad]; 0: vertical, the knee below the hip."}},
       {"pitch_rate", {&Drop::pitch_rate, "At release [rad/s]."}}};
   for (const auto& [name, what] : numbers)
-    c.def_property_readonly(
-        name, [member = what.first](const Scene& s) { return s.drop.*member; }, what.second);
-  c.def_readonly("name", &Scene::name, "What it is called.")
-      .def_property_readonly(
-          "verdicts",
-          [](const Scene& s) { return std::map<std::string, std::string>(s.verdicts.begin(), s.verdicts.end()); },
-          "How far the calibration that found a constant of the floor may be relied on, by its name.")
-      .def(
-          "dropped",
-          [](Scene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-             std::optional<double> pitch_rate) {
-            s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-            if (const auto wrong = release_fault(s)) throw InputError(wrong->key + ": " + wrong->message);
-            return s;
-          },
-          py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-          py::arg("pitch_rate") = py::none(),
-          "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].")
-      .def("__repr__", [](const Scene& s) {
-        return fmt::format("<ukemi.Scene '{}': {:g} m, {:g} m/s, {:.4g} deg>", s.name, s.drop.height,
-                           s.drop.forward_speed, s.drop.pitch * kDegrees);
-      });
+    property(c, name, what.second, [member = what.first](auto& s) { return s.drop.*member; });
+  c.def_readonly("name", &Scene::name, "What it is called.");
+  property(c, "verdicts", "How far the calibration that found a constant of the floor may be relied on, by its name.",
+           [](auto& s) { return std::map<std::string, std::string>(s.verdicts.begin(), s.verdicts.end()); });
+  bind_dropped(c, [](const Scene& s) {
+    if (const auto wrong = release_fault(s)) throw InputError(wrong->key + ": " + wrong->message);
+  });
+  c.def("__repr__", [](const Scene& s) {
+    return fmt::format("<ukemi.Scene '{}': {:g} m, {:g} m/s, {:.4g} deg>", s.name, s.drop.height, s.drop.forward_speed,
+                       s.drop.pitch * kDegrees);
+  });
   bind_file(c, "a scene file", [](const Scene& s) { return to_toml(s, ""); });
   bind_value(c);
-  m.def(
-      "read_scene", [](const Path& path) { return read_scene(path); }, py::arg("path"), "Reads a scene file (TOML).");
+  bind_reader(m, "read_scene", "Reads a scene file (TOML).", [](const Path& path) { return read_scene(path); });
 }
 
 void bind_motion(py::module_& m) {
@@ -112,9 +100,8 @@ void bind_motion(py::module_& m) {
         return fmt::format("<ukemi.PlannedMotion {}; {}>", tools::motion_words(x), minimised(x.goal, x.value));
       });
   bind_value(planned);
-  m.def(
-      "read_motion", [](const Path& path) { return read_motion(path); }, py::arg("path"),
-      "Reads a motion file: TOML, or the rows of a motion.csv.");
+  bind_reader(m, "read_motion", "Reads a motion file: TOML, or the rows of a motion.csv.",
+              [](const Path& path) { return read_motion(path); });
   m.def("motion_deg", &motion_of_degrees, py::arg("phi_i_deg"), py::arg("phi_f_deg"), py::arg("duration"),
         py::arg("bumps_deg") = std::vector<double>{}, py::arg("gain_p") = 1.0, py::arg("gain_d") = 1.0,
         "A Motion of angles in degrees [deg]; else as its constructor.");
@@ -128,13 +115,12 @@ void bind_player(py::module_& m) {
                        "A plan played on a robot: what each drive is sent at any time of the robot's own clock.");
   c.def(py::init([](const Motion& motion) { return Player({motion}); }), py::arg("motion"),
         "Of the paper's robot, or of one joint.")
-      .def(py::init<std::vector<Motion>>(), py::arg("motions"), "A motion for each joint, in the robot's order.")
-      .def_property_readonly("joints", &Player::joints, "How many joints it plays.")
-      .def_property_readonly("landing", &Player::landing, "Whether the touchdown was told.")
-      .def_property_readonly("end", &Player::end,
-                             "When the last landing motion ends [s]; infinite before the touchdown.")
-      .def("released", &Player::released, py::arg("t"),
-           "The robot lets go at a time of its clock [s]. False, and nothing changes, for one that is not finite.")
+      .def(py::init<std::vector<Motion>>(), py::arg("motions"), "A motion for each joint, in the robot's order.");
+  property(c, "joints", "How many joints it plays.", &Player::joints);
+  property(c, "landing", "Whether the touchdown was told.", &Player::landing);
+  property(c, "end", "When the last landing motion ends [s]; infinite before the touchdown.", &Player::end);
+  c.def("released", &Player::released, py::arg("t"),
+        "The robot lets go at a time of its clock [s]. False, and nothing changes, for one that is not finite.")
       .def("touchdown", &Player::touchdown, py::arg("t"),
            "The first touchdown was noticed [s]. Counts once after a release; else False, and nothing changes.")
       .def(

@@ -28,42 +28,32 @@ landing::RobustOptions robust_of(const std::optional<std::string>& measure, cons
                                  double inflate, long samples);
 
 /// Binds what all risks share; of(result): the risk.
-template <class T, class... Options>
-void bind_peak_risk(py::class_<T, Options...>& c, const landing::PeakRisk& (*of)(const T&)) {
+template <class T, class Of, class... Options>
+void bind_peak_risk(py::class_<T, Options...>& c, Of of) {
   using landing::PeakRisk;
-  c.def_property_readonly(
-       "peaks", [of](const T& x) { return of(x).peaks; }, "Of the motion [m/s^2].")
-      .def_property_readonly(
-          "held", [of](const T& x) { return of(x).held; }, "Of what is held over the same drops [m/s^2].")
-      .def_property_readonly(
-          "failed", [of](const T& x) { return of(x).failed; }, "Landings that could not be followed to the floor.")
-      .def_property_readonly(
-          "joint_lost", [of](const T& x) { return of(x).lost; }, "Of the others, those whose drive lost the joint.")
-      .def_property_readonly(
-          "from_floor", [of](const T& x) { return of(x).from_floor; },
-          "Drops that would begin below the floor: they begin on it.")
-      .def_property_readonly(
-          "share", [of](const T& x) { return of(x).kept(); }, "The share of drops that keep every limit [1].")
-      .def_property_readonly(
-          "histogram",
-          [of](const T& x) {
-            std::vector<double> edges, drops;
-            for (const landing::PeakBin& b : of(x).histogram)
-              edges.push_back(b.lower), drops.push_back(double(b.drops));
-            if (!edges.empty()) edges.push_back(of(x).histogram.back().upper);
-            return std::pair(py::array_t<double>(py::ssize_t(drops.size()), drops.data()),
-                             py::array_t<double>(py::ssize_t(edges.size()), edges.data()));
-          },
-          "Drops with a peak in each bin, and the bins' edges [m/s^2], as numpy.histogram gives them.")
-      .def_property_readonly(
-          "uncertainties",
-          [of](const T& x) {
-            std::map<std::string, std::pair<double, double>> out;
-            for (const PeakRisk::Uncertainty& u : of(x).uncertainties)
-              out[u.name] = {u.index.first.value, u.index.total.value};
-            return out;
-          },
-          "Sobol's indices of each group of numbers that scatter: first order and total [1].");
+  property(c, "peaks", "Of the motion [m/s^2].", [of](auto& x) { return of(x).peaks; });
+  property(c, "held", "Of what is held over the same drops [m/s^2].", [of](auto& x) { return of(x).held; });
+  property(c, "failed", "Landings that could not be followed to the floor.", [of](auto& x) { return of(x).failed; });
+  property(c, "joint_lost", "Of the others, those whose drive lost the joint.", [of](auto& x) { return of(x).lost; });
+  property(c, "from_floor", "Drops that would begin below the floor: they begin on it.",
+           [of](auto& x) { return of(x).from_floor; });
+  property(c, "share", "The share of drops that keep every limit [1].", [of](auto& x) { return of(x).kept(); });
+  property(c, "histogram", "Drops with a peak in each bin, and the bins' edges [m/s^2], as numpy.histogram gives them.",
+           [of](auto& x) {
+             std::vector<double> edges, drops;
+             for (const landing::PeakBin& b : of(x).histogram)
+               edges.push_back(b.lower), drops.push_back(double(b.drops));
+             if (!edges.empty()) edges.push_back(of(x).histogram.back().upper);
+             return std::pair(py::array_t<double>(py::ssize_t(drops.size()), drops.data()),
+                              py::array_t<double>(py::ssize_t(edges.size()), edges.data()));
+           });
+  property(c, "uncertainties", "Sobol's indices of each group of numbers that scatter: first order and total [1].",
+           [of](auto& x) {
+             std::map<std::string, std::pair<double, double>> out;
+             for (const PeakRisk::Uncertainty& u : of(x).uncertainties)
+               out[u.name] = {u.index.first.value, u.index.total.value};
+             return out;
+           });
 }
 
 }  // namespace ukemi::python

@@ -88,18 +88,18 @@ void bind_body_ratings(py::module_& m) {
 
 void bind_trade(py::module_& m) {
   py::class_<TradeResult> c(m, "RobotTrade", "The best landings of a robot of links for values of its design.");
-  c.def_property_readonly("points", designs_of,
-                          "A dict for each design: at (its values by name), held, unchanged (the middle's motion), "
-                          "planned, peak, motions by joint; None where there is nothing.")
-      .def_property_readonly(
-          "middle", [](const TradeResult& r) { return r.trade.middle; }, "Index of the middle design.")
-      .def("__repr__", [](const TradeResult& r) {
-        return fmt::format("<ukemi.RobotTrade: {} designs, {} plans>", r.trade.points.size(), r.trade.plans);
-      });
+  property(c, "points",
+           "A dict for each design: at (its values by name), held, unchanged (the middle's motion), planned, peak, "
+           "motions by joint; None where there is nothing.",
+           designs_of);
+  property(c, "middle", "Index of the middle design.", [](auto& r) { return r.trade.middle; });
+  c.def("__repr__", [](const TradeResult& r) {
+    return fmt::format("<ukemi.RobotTrade: {} designs, {} plans>", r.trade.points.size(), r.trade.plans);
+  });
   bind_value(c);
   bind_report(
-      c, tools::kTradeOutputs, [](const TradeResult& r, tools::Run& run) { return report(r, run); },
-      [](const TradeResult& r) { return r.search.seed; });
+      c, tools::kTradeOutputs, [](auto& r) { return r.search.seed; },
+      [](auto& r, tools::Run& run) { return report(r, run); });
   m.def(
       "trade",
       [](const BodyScene& scene, const py::dict& vary, std::uint64_t seed, const std::string& objective,

@@ -93,9 +93,9 @@ void bind_rig(py::module_& m) {
                      .motor_torque_max = checked("motor_torque_max", motor_torque_max, Range::positive()),
                      .errors = errors};
         }),
-        "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max "
-        "[Nm] of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. "
-        "Without feedback identify fits both sides.",
+        "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max [Nm] "
+        "of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. Without "
+        "feedback identify fits both sides.",
         py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
         py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(), py::arg("motor_torque_max") = py::none(),
         py::arg_v("errors", RigErrors{}, "RigErrors()"))
@@ -104,18 +104,15 @@ void bind_rig(py::module_& m) {
       .def_readonly("errors", &Rig::errors, "Of what it states.")
       .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
   bind_value(c);
-  m.def(
-      "read_rig", [](const Path& path) { return read_rig(path); }, py::arg("path"), "Reads a rig file (TOML).");
+  bind_reader(m, "read_rig", "Reads a rig file (TOML).", [](const Path& path) { return read_rig(path); });
 }
 
 void bind_trial(py::module_& m) {
   py::class_<Trial> c(m, "Trial", "One logged trial.");
   c.def(py::init(&trial_of),
         "Times t [s], kept from the first on (t_origin); measured angles phi and phi_motor [rad], force at the link's "
-        "tip [N], reference phi_ref [rad] and "
-        "dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or Nm]: arrays as long as t, or None. "
-        "multi_turn: angles beyond 2 "
-        "pi are meant.",
+        "tip [N], reference phi_ref [rad] and dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or "
+        "Nm]: arrays as long as t, or None. multi_turn: angles beyond 2 pi are meant.",
         py::arg("t"), py::arg("phi") = py::none(), py::arg("force") = py::none(), py::arg("phi_ref") = py::none(),
         py::arg("dphi_ref") = py::none(), py::arg("phi_motor") = py::none(), py::arg("torque") = py::none(),
         py::arg("command") = py::none(), py::arg("multi_turn") = false, py::arg("name") = "trial");
@@ -127,10 +124,7 @@ void bind_trial(py::module_& m) {
       {"phi_motor", {&Trial::phi_motor, "Measured angle of the motor at the output side [rad]."}},
       {"torque", {&Trial::torque, "Measured torque of the spring [Nm]."}},
       {"command", {&Trial::command, "What the motor was told [V, A or Nm]."}}};
-  for (const auto& [name, what] : kept)
-    c.def_property_readonly(
-        name, [member = what.first](const py::object& self) { return view(self.cast<const Trial&>().*member, self); },
-        what.second);
+  for (const auto& [name, what] : kept) column_property(c, name, what.second, what.first);
   c.def_readonly("t_origin", &Trial::t_origin, "What the log's clock read at t = 0, its first row [s].")
       .def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
       .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");

@@ -1,8 +1,6 @@
 // Traits that classes of the Python module share: values, a file, a figure, a report.
 #pragma once
 
-#include <fmt/format.h>
-
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
 #include "tools/python/bind.hpp"
@@ -68,13 +66,15 @@ inline std::string report_words(const std::string& verb) {
          "` would into a folder: report.html, summary.json, its other files; figures: formats of files of their own, "
          "of svg, pdf, png. Returns the summary.";
 }
-/// Binds write_report(folder, figures), which writes the files of the program's verb.
-template <class T, class Write, class Seed, class... Options>
-void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Write report, Seed seed) {
+/// Of a result without random numbers.
+inline constexpr auto kNoSeed = [](auto&) { return std::uint64_t(1); };
+/// Binds write_report(folder, figures), which writes the files of the program's verb. `seed`: a function or a member.
+template <class T, class Seed, class Write, class... Options>
+void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Seed seed, Write report) {
   c.def(
       "write_report",
       [=, &outputs](const T& result, const Path& folder, const std::vector<std::string>& figures) {
-        return written(result, outputs, folder, figures, seed(result), report);
+        return written(result, outputs, folder, figures, std::invoke(seed, result), report);
       },
       py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(outputs.verb).c_str());
 }

@@ -109,8 +109,7 @@ std::string urdf_words(const Actuator& a, const std::string& j) {
          fmt::format(
              "Two joints in a row: {0}_motor is phi_m, {0}_spring is phi_1 - phi_m, so that phi_1 is their sum.\n"
              "What URDF cannot hold: the spring (without Gazebo's line the joint is free); the controller, whose "
-             "torque "
-             "acts on {0}_motor ({1}); the limit of the spring's torque; friction between link and base.\n"
+             "torque acts on {0}_motor ({1}); the limit of the spring's torque; friction between link and base.\n"
              "The link world is the rig: put your robot's link in its place. The rotor is a body here, of 1 g, since "
              "Gazebo leaves\n"
              "out lighter ones: on a base that turns it carries i_motor along, which Eq. 4 does not.\n"
@@ -125,8 +124,7 @@ std::string mjcf(const Actuator& a, const RigLink& link, const std::string& j, c
   const SeaParameters<double>& s = a.sea;
   return comment(comments + mjcf_words(a, j) +
                  "The link here is without gravity, whatever the rig was; in your robot put the rotor's body beside "
-                 "the link's, both in the "
-                 "body that carries the actuator, with one pos and one axis.\n") +
+                 "the link's, both in the body that carries the actuator, with one pos and one axis.\n") +
          fmt::format(
              R"(<mujoco model="ukemi_actuator">
   <compiler angle="radian"/>

@@ -75,11 +75,12 @@ std::vector<std::size_t> frames_of(const Landing& l) {
   return kept_rows({&acc, &hip}, kMaxFrames);
 }
 
-/// A quantity in rows `frames` of a landing, rounded to multiples of `unit`.
-Json column_of(const Landing& l, const std::vector<std::size_t>& frames,
-               const std::function<double(const Sample&)>& value, double unit) {
+/// A quantity in rows `frames` of a trajectory, rounded to multiples of `unit`.
+template <class Row>
+Json column_of(const std::vector<Row>& rows, const std::vector<std::size_t>& frames,
+               const std::function<double(const Row&)>& value, double unit) {
   Json out = Json::array();
-  for (const std::size_t i : frames) out.push_back(std::round(value(l.trajectory[i]) / unit) / std::round(1 / unit));
+  for (const std::size_t i : frames) out.push_back(std::round(value(rows[i]) / unit) / std::round(1 / unit));
   return out;
 }
 
@@ -88,28 +89,9 @@ Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double 
   Json out;
   const std::pair<const char*, double Sample::*> columns[] = {
       {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
-  for (const auto& [name, member] : columns) out[name] = column_of(l, frames, member, unit);
+  for (const auto& [name, member] : columns) out[name] = column_of<Sample>(l.trajectory, frames, member, unit);
   return out;
 }
-
-}  // namespace
-
-Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
-  const std::vector<std::size_t> frames = frames_of(landing);
-  const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
-    return column_of(landing, frames, value, unit);
-  };
-  Json out = {{"name", name}, {"length", length}, {"peaks", peaks_json(landing.peaks)}};
-  out.update(motion_of(landing, frames, 1e-6));
-  for (const Landing& ghost : ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
-  out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
-  for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
-    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
-                                        column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
-  return out;
-}
-
-namespace {
 
 std::vector<std::size_t> frames_of(const BodyLanding& l) {
   std::vector<double> acc, force;
@@ -126,14 +108,26 @@ Json place_json(const landing::Place& p) { return {p.along, p.across}; }
 
 }  // namespace
 
+Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
+  const std::vector<std::size_t> frames = frames_of(landing);
+  const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
+    return column_of(landing.trajectory, frames, value, unit);
+  };
+  Json out = {{"name", name}, {"length", length}, {"peaks", peaks_json(landing.peaks)}};
+  out.update(motion_of(landing, frames, 1e-6));
+  for (const Landing& ghost : ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
+  out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
+  for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
+    out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
+                                        column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
+  return out;
+}
+
 Json animation(const std::string& name, const BodyScene& scene, const BodyLanding& landing) {
   const Robot& robot = scene.robot;
   const std::vector<std::size_t> frames = frames_of(landing);
   const auto column = [&](const std::function<double(const BodySample&)>& value, double unit) {
-    Json out = Json::array();
-    for (const std::size_t i : frames)
-      out.push_back(std::round(value(landing.trajectory[i]) / unit) / std::round(1 / unit));
-    return out;
+    return column_of(landing.trajectory, frames, value, unit);
   };
   Json out = {
       {"name", name}, {"peaks", peaks_json(landing.peaks, contact_name(robot))}, {"slope", std::tan(scene.slope)}};

@@ -60,20 +60,10 @@ std::string base_words(const Robot& r) {
   return fmt::format("on a rail, {:.4g} deg from level", r.rail_direction * kDegrees);
 }
 
-const Quantities<CheckedBody> kQuantities = {
-    {"", "peak_acceleration", "peak |a| [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
-    {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
-    {"", "error_estimate", "estimated relative error", "{:.1g}",
-     [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
-    {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
-    {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
-    {"", "first_touchdown", "first touchdown [s]", "{:.6f}", [](auto& c) { return number(c.landing.first_touchdown); }},
-    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing.peaks, contact_name(c.scene.robot)); }},
-    {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
-    {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
-    {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
-    {"", "steps", [](auto& c) { return c.landing.work.steps; }},
-};
+const Quantities<CheckedBody> kQuantities =
+    checked_quantities<CheckedBody>("|a|", [](auto& c) { return contact_name(c.scene.robot); },
+                                    {{"", "first_touchdown", "first touchdown [s]", "{:.6f}",
+                                      [](auto& c) { return number(c.landing.first_touchdown); }}});
 
 }  // namespace
 
@@ -191,10 +181,9 @@ int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const E
   summary["contacts"] = contacts.objects();
   summary["joints"] = joints_json(c.scene, c.motion, l);
   run.add("trajectory.csv", trajectory_csv(c.scene, l, run));
-  run.add("contacts.csv",
-          contacts.csv(run,
-                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, its pad's "
-                       "if it has one. Units: s, N, m/s^2."));
+  run.add("contacts.csv", contacts.csv(run,
+                                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, "
+                                       "its pad's if it has one. Units: s, N, m/s^2."));
   for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
   Report report("Landing: " + c.scene.name);
   say(table.transposed(), run);
@@ -237,10 +226,8 @@ FirstScreen robot_screen(const BodyScene& scene) {
   if (locked > 0)
     out.checks.push_back({Check::State::kCaution, "free to move", fmt::format("{} joints are locked", locked)});
   if (unrated > 0)
-    out.checks.push_back({Check::State::kUnknown, "rated",
-                          fmt::format("{} drives have no speed_max and no "
-                                      "motor_torque_max",
-                                      unrated)});
+    out.checks.push_back(
+        {Check::State::kUnknown, "rated", fmt::format("{} drives have no speed_max and no motor_torque_max", unrated)});
   out.next = driven > 0 ? "Plan a landing: `ukemi optimize`, of a scene that names this file, or with --height."
                         : "Give a joint a drive: without one there is nothing to plan.";
   return out;

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -22,59 +21,16 @@ std::array<double, 2> position_of(const BodySample& s, int link, const landing::
   return {s.x[k] + p.along * sine + p.across * cosine, s.y[k] - p.along * cosine + p.across * sine};
 }
 
-/// Draws the links of a sample, shifted by (x, y) [m].
-void add_links(Panel& panel, const Robot& robot, const BodySample& s, double x, double y = 0) {
+/// Draws the links of a sample, shifted by x [m].
+void add_links(Panel& panel, const Robot& robot, const BodySample& s, double x) {
   for (int k = 0; k < int(robot.links.size()); ++k) {
     Series line{"", {}, {}, Series::Style::kThick, k == 0 ? Series::kInk : (k - 1) % 6};
     for (const landing::Place& p : outline(robot, k)) {
       const auto [px, py] = position_of(s, k, p);
-      line.x.push_back(px + x), line.y.push_back(py + y);
+      line.x.push_back(px + x), line.y.push_back(py);
     }
     panel.series.push_back(line);
   }
-}
-
-/// Postures at the peaks side by side.
-Panel postures_of(const BodyScene& scene, const BodyFall& f) {
-  constexpr std::size_t kMaxPostures = 7;
-  Panel out;
-  out.title = f.name, out.scale = Panel::Scale::kBare;
-  const double length = std::max(0.1, reach(scene.robot)), step = 1.5 * length;
-  const std::vector<Peak> peaks = contact_peaks(f.landing->peaks);
-  for (std::size_t n = 0; n < std::min(kMaxPostures, peaks.size()); ++n) {
-    const BodySample& s = row_at(f.landing->trajectory, peaks[n].t);
-    const double x = step * double(n);
-    add_links(out, scene.robot, s, x - s.x[0]);
-    out.marks.push_back({x, 1.15 * length, circled(n + 1)});
-    out.marks.push_back({x, -0.45 * length,
-                         fmt::format("{} {:.0f} m/s^2", scene.robot.contacts[std::size_t(peaks[n].point)].name,
-                                     peaks[n].acceleration)});
-    out.marks.push_back({x, -0.25 * length, fmt::format("{:.3f} s", peaks[n].t)});
-  }
-  out.x_range = {-step / 2, step * (double(std::clamp<std::size_t>(peaks.size(), 3, kMaxPostures)) - 0.5)};
-  out.y_range = {-0.6 * length, 1.3 * length};
-  if (scene.slope == 0)
-    out.series.push_back({"", {out.x_range->at(0), out.x_range->at(1)}, {0, 0}, Series::Style::kLine, Series::kGrey});
-  return out;
-}
-
-Series curve(const std::string& name, const BodyLanding& l, const std::function<double(const BodySample&)>& value,
-             Series::Style style = Series::Style::kLine) {
-  Series out{name, {}, {}, style};
-  for (const BodySample& s : l.trajectory) out.x.push_back(s.t), out.y.push_back(value(s));
-  return out;
-}
-Figure acceleration(const std::vector<BodyFall>& falls) {
-  std::vector<Series> series;
-  for (const BodyFall& f : falls)
-    series.push_back(curve(
-        f.name, *f.landing, [](auto& s) { return s.acc; },
-        series.empty() ? Series::Style::kLine : Series::Style::kDashed));
-  Figure out = over_time("acceleration", "|a| [m/s^2]", series);
-  for (std::size_t i = 0; i < falls.size(); ++i) add_marks(out.panels[0], falls[i].landing->peaks, int(i));
-  out.width = Figure::Width::kWhole, out.panel_height = 320;
-  out.caption = "Acceleration of the point that counts, its norm; the numbers are those of the postures.";
-  return out;
 }
 
 /// One panel per joint that is not locked.
@@ -163,43 +119,42 @@ Figure drawing(const BodyScene& given) {
 void show(const BodyScene& scene, std::vector<BodyFall> falls, const std::string& data, Report& report) {
   std::erase_if(falls, [](const BodyFall& f) { return f.landing->trajectory.size() < 2; });
   if (falls.empty()) return;
-  report.heading("The fall");
-  Json landings = Json::array();
-  for (const BodyFall& f : falls) landings.push_back(animation(f.name, scene, *f.landing));
-  report.player({{"landings", landings}});
-  Figure postures;
-  postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
-  for (const BodyFall& f : falls)
-    if (!contact_peaks(f.landing->peaks).empty()) postures.panels.push_back(postures_of(scene, f));
-  postures.caption = "The robot at the acceleration peaks, with the contact that began each.";
-  report.figure(postures);
-  report.figure(acceleration(falls));
-  if (!contact_peaks(falls[0].landing->peaks).empty())
-    report.figure(fall_picture(postures_of(scene, falls[0]), acceleration({falls[0]})));
-  const BodyLanding& first = *falls[0].landing;
+  const double length = std::max(0.1, reach(scene.robot));
+  ShownFalls out{.point = contact_name(scene.robot),
+                 .symbol = "|a|",
+                 .of = "the point that counts",
+                 .posture = {1.5 * length, 1.15 * length, -0.45 * length, -0.25 * length, -0.6 * length, 1.3 * length,
+                             scene.slope == 0},
+                 .posture_words = "",
+                 .data = data};
+  for (const BodyFall& f : falls) {
+    const std::vector<BodySample>& rows = f.landing->trajectory;
+    const auto draw = [&](Panel& panel, double t, double x) {
+      const BodySample& s = row_at(rows, t);
+      add_links(panel, scene.robot, s, x - s.x[0]);
+    };
+    out.falls.push_back(
+        {f.name, f.landing->peaks, animation(f.name, scene, *f.landing), curve(f.name, rows, &BodySample::acc), draw});
+  }
+  const std::vector<BodySample>& first = falls[0].landing->trajectory;
   Figure joint = per_joint(scene, "joint", "[deg]", [&](std::size_t j) {
-    std::vector<Series> out{curve("angle", first, [j](auto& s) { return s.phi[j] * kDegrees; })};
+    std::vector<Series> series{curve("angle", first, [j](auto& s) { return s.phi[j] * kDegrees; })};
     if (scene.robot.joints[j].driven())
-      out.push_back(curve(
-          "reference", first, [j](auto& s) { return s.phi_ref[j] * kDegrees; }, Series::Style::kDashed));
-    return out;
+      series.push_back(curve("reference", first, [j](auto& s) { return s.phi_ref[j] * kDegrees; }));
+    return dashed(series);
   });
   joint.caption = "The joints against their references, " + falls[0].name + ".";
-  report.figure(joint);
   Figure torque = per_joint(scene, "torque", "[Nm]", [&](std::size_t j) {
-    std::vector<Series> out;
+    std::vector<Series> series;
     for (const BodyFall& f : falls)
-      out.push_back(curve(
-          f.name, *f.landing, [j](auto& s) { return s.tau[j]; },
-          out.empty() ? Series::Style::kLine : Series::Style::kDashed));
-    return out;
+      series.push_back(curve(f.name, f.landing->trajectory, [j](auto& s) { return s.tau[j]; }));
+    return dashed(series);
   });
   torque.caption = "Torques of the joints on their outer links.";
-  report.figure(torque);
-  Figure energy = over_time("energy", "energy [J]", {curve("links", first, [](auto& s) { return s.energy; })});
+  Figure energy = over_time("energy", "energy [J]", {curve("links", first, &BodySample::energy)});
   energy.caption = "Kinetic and gravitational energy of the links, " + falls[0].name + ".";
-  report.figure(energy);
-  if (!data.empty()) report.paragraph("The numbers of these figures: " + data + ".");
+  out.details = {joint, torque, energy};
+  show(out, report);
 }
 
 }  // namespace ukemi::tools

@@ -171,6 +171,20 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
   report.table(Table(named_quantities(distributed_words("|a|", rated)), {{"planned", u.planned}, {held, u.held}}));
 }
 
+/// Reports the motion with the smallest violation of the limits, where none keeps them.
+void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& run, Json& summary) {
+  const Load& limit = l.limit;
+  const std::string of = place_of(limit, robot);
+  summary["least_breaking"] = {{"load", limit.name},       {"rating", name(limit.kind)}, {"of", of},
+                               {"unit", unit(limit.kind)}, {"demand", l.demand},         {"limit", limit.rating},
+                               {"motion", Json::object()}};
+  for (std::size_t i = 0; i < robot.joints.size(); ++i)
+    if (robot.joints[i].driven()) summary["least_breaking"]["motion"][robot.joints[i].name] = motion_json(l.motion[i]);
+  run.warn(fmt::format(
+      "the motion that breaks them least: {}; the {} of {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
+      motion_words(robot, l.motion), words(limit.kind), of, l.demand, unit(limit.kind), l.excess(), limit.rating));
+}
+
 }  // namespace
 
 std::string goal_words(const BodyScene& scene, const BodyPlanOptions& options) {
@@ -205,24 +219,6 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
   return report(
       risk, texts, [&] { return worst_csv(scene, risk, run); }, run);
 }
-
-namespace {
-
-/// Reports the motion with the smallest violation of the limits, where none keeps them.
-void report_least_breaking(const Robot& robot, const BodyLeastBreaking& l, Run& run, Json& summary) {
-  const Load& limit = l.limit;
-  const std::string of = place_of(limit, robot);
-  summary["least_breaking"] = {{"load", limit.name},       {"rating", name(limit.kind)}, {"of", of},
-                               {"unit", unit(limit.kind)}, {"demand", l.demand},         {"limit", limit.rating},
-                               {"motion", Json::object()}};
-  for (std::size_t i = 0; i < robot.joints.size(); ++i)
-    if (robot.joints[i].driven()) summary["least_breaking"]["motion"][robot.joints[i].name] = motion_json(l.motion[i]);
-  run.warn(fmt::format(
-      "the motion that breaks them least: {}; the {} of {} is {:.4g} {}, {:.3g} times the {:.4g} allowed",
-      motion_words(robot, l.motion), words(limit.kind), of, l.demand, unit(limit.kind), l.excess(), limit.rating));
-}
-
-}  // namespace
 
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
            const Exports& exports, Run& run, const PlanExtras& extras) {
@@ -277,9 +273,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
                   Axes::kLogarithmic);
     } else {
-      report.paragraph(
-          "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
-          "does.");
+      report.paragraph(kNotDrawn);
     }
     robot_tables(scene, report);
     report.write(run);

@@ -92,6 +92,31 @@ bool write_contact(const Robot& robot, std::size_t i, TomlEdit& file) {
   return file.text() != before;
 }
 
+/// [[load]] tables of limits that are neither loads in the file nor joint stops.
+std::string added_limits(const BodyScene& scene, const TomlEdit& file) {
+  std::vector<std::string> in_file;
+  for (std::string name; !(name = file.text_at({"load", std::to_string(in_file.size())}, "name")).empty();)
+    in_file.push_back(name);
+  std::string out;
+  for (const Load& l : scene.loads) {
+    if (l.kind == Load::Kind::kAngle || std::find(in_file.begin(), in_file.end(), l.name) != in_file.end()) continue;
+    const char* const on = l.kind == Load::Kind::kTouch ? "contact" : "joint";
+    out += fmt::format("\n[[load]]\nname = \"{}\"\nkind = \"{}\"\n{} = \"{}\"\nrating = {}\nlimit = true\n",
+                       toml_text(l.name), name(l.kind), on, toml_text(place_of(l, scene.robot)), shortest(l.rating));
+  }
+  return out;
+}
+
+std::string trailing_tables(const BodyScene& scene) {
+  std::string out;
+  if (scene.uncertainty) {
+    std::string names;
+    for (const std::string& name : scene.uncertainty->order) names += (names.empty() ? "\"" : ", \"") + name + "\"";
+    out += "\n[uncertainty]\norder = [" + names + "]\n" + covariance_lines(scene.uncertainty->covariance);
+  }
+  return out + verdict_table(scene.verdicts);
+}
+
 }  // namespace
 
 std::string relative_to(const std::string& path, const std::string& folder) {
@@ -126,35 +151,6 @@ std::string drive_tables(const BodyScene& scene, const std::vector<GivenDrive>& 
   }
   return out;
 }
-
-namespace {
-
-/// [[load]] tables of limits that are neither loads in the file nor joint stops.
-std::string added_limits(const BodyScene& scene, const TomlEdit& file) {
-  std::vector<std::string> in_file;
-  for (std::string name; !(name = file.text_at({"load", std::to_string(in_file.size())}, "name")).empty();)
-    in_file.push_back(name);
-  std::string out;
-  for (const Load& l : scene.loads) {
-    if (l.kind == Load::Kind::kAngle || std::find(in_file.begin(), in_file.end(), l.name) != in_file.end()) continue;
-    const char* const on = l.kind == Load::Kind::kTouch ? "contact" : "joint";
-    out += fmt::format("\n[[load]]\nname = \"{}\"\nkind = \"{}\"\n{} = \"{}\"\nrating = {}\nlimit = true\n",
-                       toml_text(l.name), name(l.kind), on, toml_text(place_of(l, scene.robot)), shortest(l.rating));
-  }
-  return out;
-}
-
-std::string trailing_tables(const BodyScene& scene) {
-  std::string out;
-  if (scene.uncertainty) {
-    std::string names;
-    for (const std::string& name : scene.uncertainty->order) names += (names.empty() ? "\"" : ", \"") + name + "\"";
-    out += "\n[uncertainty]\norder = [" + names + "]\n" + covariance_lines(scene.uncertainty->covariance);
-  }
-  return out + verdict_table(scene.verdicts);
-}
-
-}  // namespace
 
 std::map<std::string, std::string> scene_files(const std::string& path, const BodyScene& scene,
                                                const std::string& comments, const std::string& folder,

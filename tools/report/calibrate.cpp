@@ -33,12 +33,6 @@ std::string errors_in_words(const FloorFit& c) {
   return out.empty() ? "none, exact" : fmt::format("{}", fmt::join(out, ", "));
 }
 
-FitTexts texts_of(const CalibratedDrops& c) {
-  FitTexts out{c.result, {}};
-  for (const LoggedDrop& d : c.drops) out.logs.push_back(&d.log);
-  return out;
-}
-
 /// Share of an output's used samples within the fit's 95 % band; NaN where there is no band.
 double within_band(const FitTexts& c, std::size_t output) {
   double count = 0, within = 0;
@@ -94,8 +88,8 @@ Quantities<DropResult> drop_quantities(const FloorFit& c) {
 std::string samples_csv(const Run& run, const FitTexts& c) {
   CsvWriter csv = run.csv();
   csv.comment(fmt::format(
-      "residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration "
-      "within a sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
+      "residual = simulated - measured; {} counts from 1; t as in the log; used 0: left out, an acceleration within a "
+      "sampling interval of a simulated touchdown or lift-off. Units: s, m, rad, m/s^2.",
       words(c.result.logs_of).one));
   std::vector<std::string> header = {
       words(c.result.logs_of).one, "t", "output", "measured", "simulated", "residual", "used"};
@@ -172,8 +166,7 @@ std::vector<std::string> findings(const FloorFit& c) {
     const std::string& term = missed->term;
     const bool held = std::any_of(c.parameters.begin(), c.parameters.end(), [&](auto& e) { return e.name == term; });
     out.push_back(fmt::format(
-        "the {} ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their "
-        "rms "
+        "the {} ask for {}{} (score test, p {}): of what was not fitted it explains most of the residuals, their rms "
         "would fall from {:.4g} to {:.4g} standard deviations: try {}",
         words(c.logs_of).many, held ? "another value of " : "", term, probability_words(missed->p),
         std::sqrt(tests.score->variance), tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
@@ -353,8 +346,7 @@ Check report_baselines(const FitTexts& played, Report& report, Json& summary, Ru
   report.heading("Beside predictions that know no physics");
   report.paragraph(
       "Each residual on the same samples. How each trial starts is fitted to it for the robot; the mean knows the "
-      "other "
-      "trials, which the robot does not.");
+      "other trials, which the robot does not.");
   (void)add_table(table, report, run);
   return {not_beaten.empty() ? Check::State::kGood : Check::State::kCaution, "nearer than no physics",
           not_beaten.empty() ? "" : fmt::format("not in {}", fmt::join(not_beaten, ", "))};
@@ -444,18 +436,18 @@ void report_landings(const FitTexts& played, const ContactTimes& contacts, Repor
   say(errors, run), report.table(errors), summary["landings"] = errors.keyed();
   const Table rows(compared_quantities(played.result, contacts.names), contacts.compared);
   report.table(rows);
-  run.add("landings.csv", rows.csv(run,
-                                   "a row a stance of a contact whose force the log has; t from each trial's first "
-                                   "row; empty: not in the log, or the rollout has no such stance; flight: since the "
-                                   "liftoff before; ..._of_others: mean of the other stances of the logs; ..._band: "
-                                   "half of the 95 % band of the constants' errors. Units: s."));
+  run.add(
+      "landings.csv",
+      rows.csv(run,
+               "a row a stance of a contact whose force the log has; t from each trial's first row; empty: not in the "
+               "log, or the rollout has no such stance; flight: since the liftoff before; ..._of_others: mean of the "
+               "other stances of the logs; ..._band: half of the 95 % band of the constants' errors. Units: s."));
   for (const StanceErrors& e : contacts.errors)
     for (const auto& [what, of] : {std::pair("stance", e.duration), {"flight", e.flight}})
       if (of.others <= of.relative)
-        run.warn(
-            fmt::format("{}: the mean of the other landings is nearer to the {} than the robot: {:.3g} against "
-                        "{:.3g} %",
-                        contacts.names[std::size_t(e.contact)], what, 100 * of.others, 100 * of.relative));
+        run.warn(fmt::format(
+            "{}: the mean of the other landings is nearer to the {} than the robot: {:.3g} against {:.3g} %",
+            contacts.names[std::size_t(e.contact)], what, 100 * of.others, 100 * of.relative));
 }
 
 }  // namespace

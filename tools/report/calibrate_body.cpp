@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "tools/report/body_scene_text.hpp"
@@ -11,12 +10,6 @@ namespace ukemi::tools {
 using namespace landing;
 
 namespace {
-
-FitTexts texts_of(const BodyCalibratedDrops& c) {
-  FitTexts out{c.result, {}};
-  for (const BodyLoggedDrop& d : c.drops) out.logs.push_back(&d.log);
-  return out;
-}
 
 Quantities<TriedLaw> law_quantities() {
   return {

@@ -87,15 +87,14 @@ void warn(const Comparison& c, Run& run) {
 FirstScreen conclusion(const ComparisonTexts& c) {
   const double best = c.motions[1].peaks[1], nominal = c.motions[0].peaks[1], promised = c.motions[0].peaks[0];
   const char* verb = c.rated ? "has" : "hits with";
-  return {
-      fmt::format("Planned with the nominal constants, {} {} {} where {:.4g} was promised: {:.2f} times the {} of the "
-                  "motion planned with its own constants.",
-                  c.truth, verb, goal_text(nominal, c.rated), promised, nominal / best, goal_text(best, c.rated)),
-      {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
-             fmt::format("promised {}, {} {:.4g}", goal_text(promised, c.rated), verb, nominal)),
-       check(nominal <= kWorse * best, "the nominal constants are good enough",
-             fmt::format("{:.2f} times the {} of the own plan", nominal / best, goal_name(c.rated)))},
-      "`ukemi optimize` with the identified actuator plans the landing."};
+  return {fmt::format("Planned with the nominal constants, {} {} {} where {:.4g} was promised: {:.2f} times the {} of "
+                      "the motion planned with its own constants.",
+                      c.truth, verb, goal_text(nominal, c.rated), promised, nominal / best, goal_text(best, c.rated)),
+          {check(nominal <= kWorse * promised, "the nominal plan keeps its promise",
+                 fmt::format("promised {}, {} {:.4g}", goal_text(promised, c.rated), verb, nominal)),
+           check(nominal <= kWorse * best, "the nominal constants are good enough",
+                 fmt::format("{:.2f} times the {} of the own plan", nominal / best, goal_name(c.rated)))},
+          "`ukemi optimize` with the identified actuator plans the landing."};
 }
 
 std::string trajectories_csv(const Comparison& c, const Run& run) {
@@ -139,10 +138,9 @@ void report_constants(const std::vector<ConstantDifference>& rows, Json& summary
   const Table constants(kConstantQuantities, rows);
   summary["parameters"] = constants.keyed();
   report.heading("Constants");
-  (void)add_table(
-      constants, report, run, "parameters.csv",
-      "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside its "
-      "95 % interval.");
+  (void)add_table(constants, report, run, "parameters.csv",
+                  "z: difference in standard errors of the identified constant; inside_ci95: the nominal value inside "
+                  "its 95 % interval.");
 }
 
 void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run& run) {

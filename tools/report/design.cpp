@@ -124,10 +124,9 @@ Quantities<RunnerUp> runner_up_quantities(const Design& d) {
 
 Json report_check(Report& report, const Knowledge& k, const DesignCheck& c, const Run& run) {
   const Table constants(check_quantities(k, c), indices(k));
-  const std::string verdict = fmt::format(
-      "{} experiments simulated at the estimate and refitted, {} failed: the "
-      "predicted bars {}",
-      c.repeats, c.failed, c.agrees ? "come true" : "do not come true");
+  const std::string verdict =
+      fmt::format("{} experiments simulated at the estimate and refitted, {} failed: the predicted bars {}", c.repeats,
+                  c.failed, c.agrees ? "come true" : "do not come true");
   run.say("check: " + verdict);
   report.heading("Check by simulation");
   report.paragraph(verdict + ".");

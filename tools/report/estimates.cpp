@@ -21,11 +21,34 @@ std::string value_words(const Estimate& e) {
 }
 
 namespace {
+
 std::string label(const Estimate& e) { return e.trial < 0 ? e.name : fmt::format("{}[{}]", e.name, e.trial + 1); }
 Json interval(const Estimate& e) { return e.std ? Json{e.ci_low, e.ci_high} : Json(); }
 std::string interval_words(const Estimate& e) {
   return e.std ? fmt::format("{:.6g} .. {:.6g}", e.ci_low, e.ci_high) : "";
 }
+
+/// A matrix as an array of rows; null for NaN and infinities.
+Json matrix_json(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (long i = 0; i < m.rows(); ++i) {
+    rows.push_back(Json::array());
+    for (long j = 0; j < m.cols(); ++j) rows.back().push_back(number(m(i, j)));
+  }
+  return rows;
+}
+
+/// Adds a section with the correlation matrix.
+void add_correlations(Report& report, const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
+  report.heading("Correlations");
+  std::vector<std::vector<double>> rows;
+  for (long i = 0; i < correlation.rows(); ++i) {
+    rows.emplace_back();
+    for (long j = 0; j < correlation.cols(); ++j) rows.back().push_back(correlation(i, j));
+  }
+  report.matrix(names, rows);
+}
+
 }  // namespace
 
 Quantities<Estimate> estimate_quantities() {
@@ -58,31 +81,6 @@ Json nuisance_json(const std::vector<Estimate>& nuisance) {
       j.push_back(table.object(i));
   return out;
 }
-
-namespace {
-
-/// A matrix as an array of rows; null for NaN and infinities.
-Json matrix_json(const Eigen::MatrixXd& m) {
-  Json rows = Json::array();
-  for (long i = 0; i < m.rows(); ++i) {
-    rows.push_back(Json::array());
-    for (long j = 0; j < m.cols(); ++j) rows.back().push_back(number(m(i, j)));
-  }
-  return rows;
-}
-
-/// Adds a section with the correlation matrix.
-void add_correlations(Report& report, const std::vector<std::string>& names, const Eigen::MatrixXd& correlation) {
-  report.heading("Correlations");
-  std::vector<std::vector<double>> rows;
-  for (long i = 0; i < correlation.rows(); ++i) {
-    rows.emplace_back();
-    for (long j = 0; j < correlation.cols(); ++j) rows.back().push_back(correlation(i, j));
-  }
-  report.matrix(names, rows);
-}
-
-}  // namespace
 
 std::string widened_words(const identify::ResidualTests& tests) {
   return tests.score ? "are widened to what the residuals say"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "tools/report/landing.hpp"
 
@@ -12,69 +11,69 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-std::string circled(std::size_t n) {
-  if (n > 20) return fmt::format("({})", n);
-  return std::string("\xE2\x91") + char(0x9F + n);  // U+2460 and on
-}
 Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series) {
   Figure out = lines(name, "time from release [s]", y_label, std::move(series));
   out.cursor = Figure::Cursor::kTime;
   return out;
 }
+
+std::vector<Series> dashed(std::vector<Series> curves) {
+  for (std::size_t i = 1; i < curves.size(); ++i) curves[i].style = Series::Style::kDashed;
+  return curves;
+}
+
+namespace {
+
+/// "①", as fall.js has it.
+std::string circled(std::size_t n) {
+  if (n > 20) return fmt::format("({})", n);
+  return std::string("\xE2\x91") + char(0x9F + n);  // U+2460 and on
+}
+/// Marks the peaks with their numbers.
 void add_marks(Panel& panel, const std::vector<Peak>& all, int colour) {
   const std::vector<Peak> peaks = contact_peaks(all);
   for (std::size_t n = 0; n < peaks.size(); ++n)
     panel.marks.push_back({peaks[n].t, peaks[n].acceleration, circled(n + 1), colour});
 }
 
+/// Postures at the peaks side by side.
+Panel postures_of(const ShownFalls& all, const ShownFall& f) {
+  constexpr std::size_t kMaxPostures = 7;
+  Panel out;
+  out.title = f.name, out.scale = Panel::Scale::kBare;
+  const ShownFalls::Posture& at = all.posture;
+  const std::vector<Peak> peaks = contact_peaks(f.peaks);
+  for (std::size_t n = 0; n < std::min(kMaxPostures, peaks.size()); ++n) {
+    const double x = at.step * double(n);
+    f.draw(out, peaks[n].t, x);
+    out.marks.push_back({x, at.number, circled(n + 1)});
+    out.marks.push_back({x, at.peak, fmt::format("{} {:.0f} m/s^2", all.point(peaks[n].point), peaks[n].acceleration)});
+    out.marks.push_back({x, at.time, fmt::format("{:.3f} s", peaks[n].t)});
+  }
+  out.x_range = {-at.step / 2, at.step * (double(std::clamp<std::size_t>(peaks.size(), 3, kMaxPostures)) - 0.5)};
+  out.y_range = {at.low, at.high};
+  if (at.floor)
+    out.series.push_back({"", {out.x_range->at(0), out.x_range->at(1)}, {0, 0}, Series::Style::kLine, Series::kGrey});
+  return out;
+}
+
+/// The acceleration in the first falls.
+Figure acceleration(const ShownFalls& all, std::size_t count) {
+  std::vector<Series> series;
+  for (std::size_t i = 0; i < count; ++i) series.push_back(all.falls[i].acceleration);
+  Figure out = over_time("acceleration", all.symbol + " [m/s^2]", dashed(series));
+  for (std::size_t i = 0; i < count; ++i) add_marks(out.panels[0], all.falls[i].peaks, int(i));
+  if (all.limit) out.panels[0].levels.push_back({*all.limit, fmt::format("no motion is below {:.1f}", *all.limit)});
+  out.width = Figure::Width::kWhole, out.panel_height = 320;
+  out.caption = fmt::format("Acceleration of {}, its norm; the numbers are those of the postures.", all.of);
+  return out;
+}
+
+/// Fig. 6 and 7 of [1] in one figure, for a file: the postures at the peaks above the acceleration.
 Figure fall_picture(Panel postures, Figure acceleration) {
   Figure out = std::move(acceleration);
   out.name = "fall", out.target = Figure::Target::kFile, out.panel_height = 240, out.cursor = Figure::Cursor::kNone;
   out.panels.insert(out.panels.begin(), std::move(postures));
-  return out;
-}
-
-namespace {
-
-/// Postures at the peaks side by side.
-Panel postures_of(const Fall& f, double length) {
-  constexpr std::size_t kMaxPostures = 7;
-  Panel out;
-  out.title = f.name, out.scale = Panel::Scale::kBare;
-  const double step = 2.6 * length, half = length / 2;
-  const std::vector<Peak> peaks = contact_peaks(f.landing->peaks);
-  for (std::size_t n = 0; n < std::min(kMaxPostures, peaks.size()); ++n) {
-    const Sample& s = row_at(f.landing->trajectory, peaks[n].t);
-    const double theta[] = {s.phi0, s.phi0 + s.phi1}, x = step * double(n);
-    const double hip_x = x - half * std::sin(theta[0]), hip_y = s.y0 + half * std::cos(theta[0]),
-                 knee_x = x + half * std::sin(theta[0]), knee_y = s.y0 - half * std::cos(theta[0]);
-    out.series.push_back({"", {hip_x, knee_x}, {hip_y, knee_y}, Series::Style::kThick, Series::kInk});
-    out.series.push_back({"",
-                          {knee_x, knee_x + length * std::sin(theta[1])},
-                          {knee_y, knee_y - length * std::cos(theta[1])},
-                          Series::Style::kThick,
-                          0});
-    out.marks.push_back({x, 2.0 * length, circled(n + 1)});
-    out.marks.push_back(
-        {x, -0.8 * length,
-         fmt::format("{} {:.0f} m/s^2", kPointNames[std::size_t(peaks[n].point)], peaks[n].acceleration)});
-    out.marks.push_back({x, -0.4 * length, fmt::format("{:.3f} s", peaks[n].t)});
-  }
-  out.x_range = {-step / 2, step * (double(std::clamp<std::size_t>(peaks.size(), 3, kMaxPostures)) - 0.5)};
-  out.y_range = {-1.0 * length, 2.2 * length};
-  out.series.push_back({"", {out.x_range->at(0), out.x_range->at(1)}, {0, 0}, Series::Style::kLine, Series::kGrey});
-  return out;
-}
-
-Figure acceleration(const Falls& f) {
-  std::vector<Series> series;
-  for (const Fall& fall : f.falls) series.push_back(curve(fall.name, fall.landing->trajectory, &Sample::acc));
-  if (series.size() > 1) series[1].style = Series::Style::kDashed;
-  Figure out = over_time("acceleration", "|ddr_0| [m/s^2]", series);
-  for (std::size_t i = 0; i < f.falls.size(); ++i) add_marks(out.panels[0], f.falls[i].landing->peaks, int(i));
-  if (f.limit) out.panels[0].levels.push_back({*f.limit, fmt::format("no motion is below {:.1f}", *f.limit)});
-  out.width = Figure::Width::kWhole, out.panel_height = 320;
-  out.caption = "Acceleration of the thigh's centre of mass, its norm; the numbers are those of the postures.";
   return out;
 }
 
@@ -91,9 +90,8 @@ Figure components(const Fall& f) {
 
 Figure joint(const Fall& f) {
   Figure out = over_time("joint", "joint [deg]",
-                         {curve("phi_1", f.landing->trajectory, &Sample::phi1, kDegrees),
-                          curve("reference", f.landing->trajectory, &Sample::phi_ref, kDegrees)});
-  out.panels[0].series[1].style = Series::Style::kDashed;
+                         dashed({curve("phi_1", f.landing->trajectory, &Sample::phi1, kDegrees),
+                                 curve("reference", f.landing->trajectory, &Sample::phi_ref, kDegrees)}));
   out.caption = "The joint against its reference, " + f.name + ".";
   return out;
 }
@@ -103,8 +101,7 @@ Figure against_rating(const Falls& f, const std::string& name, const std::string
                       std::optional<double> rating, const std::string& rating_words) {
   std::vector<Series> series;
   for (const Fall& fall : f.falls) series.push_back(curve(fall.name, fall.landing->trajectory, column));
-  if (series.size() > 1) series[1].style = Series::Style::kDashed;
-  Figure out = over_time(name, y_label, series);
+  Figure out = over_time(name, y_label, dashed(series));
   if (rating && std::isfinite(*rating))
     for (const double sign : {1.0, -1.0})
       out.panels[0].levels.push_back({sign * *rating, fmt::format("{} {:g}", rating_words, sign * *rating)});
@@ -124,7 +121,39 @@ Figure energy(const Falls& f) {
   return out;
 }
 
+/// Draws thigh and shank.
+void add_links(Panel& panel, const Sample& s, double length, double x) {
+  const double theta[] = {s.phi0, s.phi0 + s.phi1}, half = length / 2;
+  const double hip_x = x - half * std::sin(theta[0]), hip_y = s.y0 + half * std::cos(theta[0]),
+               knee_x = x + half * std::sin(theta[0]), knee_y = s.y0 - half * std::cos(theta[0]);
+  panel.series.push_back({"", {hip_x, knee_x}, {hip_y, knee_y}, Series::Style::kThick, Series::kInk});
+  panel.series.push_back({"",
+                          {knee_x, knee_x + length * std::sin(theta[1])},
+                          {knee_y, knee_y - length * std::cos(theta[1])},
+                          Series::Style::kThick,
+                          0});
+}
+
 }  // namespace
+
+void show(const ShownFalls& all, Report& report) {
+  report.heading("The fall");
+  Json landings = Json::array();
+  for (const ShownFall& f : all.falls) landings.push_back(f.animation);
+  report.player({{"landings", landings}});
+  if (all.ghosts > 0) report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", all.ghosts));
+  Figure postures;
+  postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
+  for (const ShownFall& f : all.falls)
+    if (!contact_peaks(f.peaks).empty()) postures.panels.push_back(postures_of(all, f));
+  postures.caption = "The robot at the acceleration peaks, with the contact that began each" + all.posture_words + ".";
+  report.figure(postures);
+  report.figure(acceleration(all, all.falls.size()));
+  if (!contact_peaks(all.falls[0].peaks).empty())
+    report.figure(fall_picture(postures_of(all, all.falls[0]), acceleration(all, 1)));
+  for (const Figure& detail : all.details) report.figure(detail);
+  if (!all.data.empty()) report.paragraph("The numbers of these figures: " + all.data + ".");
+}
 
 double link_energy(const Scene& scene, const Sample& s) {
   const TwoLinkDynamics<double> d(scene.robot);
@@ -143,31 +172,27 @@ void show(const Falls& given, Report& report) {
   const auto without_trajectory = [](const Landing& l) { return l.trajectory.size() < 2; };
   std::erase_if(f.falls, [&](const Fall& fall) { return without_trajectory(*fall.landing); });
   for (Fall& fall : f.falls) std::erase_if(fall.ghosts, without_trajectory);
-  if (f.falls.empty() || f.figures == Falls::Figures::kLeaveOut) return;
-  const double length = f.scene.robot.link_length;
-  report.heading("The fall");
-  Json landings = Json::array();
-  for (const Fall& fall : f.falls) landings.push_back(animation(fall.name, *fall.landing, fall.ghosts, length));
-  report.player({{"landings", landings}});
-  if (const std::size_t ghosts = f.falls[0].ghosts.size(); ghosts > 0)
-    report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", ghosts));
-  Figure postures;
-  postures.name = "postures", postures.width = Figure::Width::kWhole, postures.panel_height = 260;
-  for (const Fall& fall : f.falls)
-    if (!contact_peaks(fall.landing->peaks).empty()) postures.panels.push_back(postures_of(fall, length));
-  postures.caption = "The robot at the acceleration peaks, with the contact that began each; thigh dark, shank blue.";
-  report.figure(postures);
-  report.figure(acceleration(f));
-  Falls first_only = f;
-  first_only.falls.resize(1, f.falls[0]);
-  if (!contact_peaks(f.falls[0].landing->peaks).empty())
-    report.figure(fall_picture(postures_of(f.falls[0], length), acceleration(first_only)));
-  report.figure(components(f.falls[0]));
-  report.figure(joint(f.falls[0]));
-  report.figure(against_rating(f, "torque", "spring torque [Nm]", &Sample::tau_sea, f.actuator.sea.tau_max, "limit"));
-  report.figure(against_rating(f, "speed", "motor speed [rad/s]", &Sample::dphi_m, f.actuator.speed_max, "rated"));
-  report.figure(energy(f));
-  if (!f.data.empty()) report.paragraph("The numbers of these figures: " + f.data + ".");
+  if (f.falls.empty()) return;
+  const double l = f.scene.robot.link_length;
+  ShownFalls out{.point = point_name,
+                 .symbol = "|ddr_0|",
+                 .of = "the thigh's centre of mass",
+                 .posture = {2.6 * l, 2.0 * l, -0.8 * l, -0.4 * l, -1.0 * l, 2.2 * l, true},
+                 .posture_words = "; thigh dark, shank blue",
+                 .data = f.data,
+                 .limit = f.limit,
+                 .ghosts = f.falls[0].ghosts.size()};
+  for (const Fall& fall : f.falls) {
+    const std::vector<Sample>& rows = fall.landing->trajectory;
+    out.falls.push_back({fall.name, fall.landing->peaks, animation(fall.name, *fall.landing, fall.ghosts, l),
+                         curve(fall.name, rows, &Sample::acc),
+                         [&rows, l](Panel& panel, double t, double x) { add_links(panel, row_at(rows, t), l, x); }});
+  }
+  out.details = {components(f.falls[0]), joint(f.falls[0]),
+                 against_rating(f, "torque", "spring torque [Nm]", &Sample::tau_sea, f.actuator.sea.tau_max, "limit"),
+                 against_rating(f, "speed", "motor speed [rad/s]", &Sample::dphi_m, f.actuator.speed_max, "rated"),
+                 energy(f)};
+  show(out, report);
 }
 
 std::vector<std::string> fall_figures() {

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "landing/judge/checked.hpp"
+#include "tools/report/animation.hpp"
 #include "tools/report/report.hpp"
 
 namespace ukemi::tools {
@@ -25,18 +27,13 @@ struct Falls {
   std::vector<Fall> falls;      ///< the first is the requested one
   std::optional<double> limit;  ///< lower bound of the peak, see landing::TouchdownLimit [m/s^2]
   std::string data;             ///< name of the CSV with the numbers; empty: none
-  enum class Figures { kDraw, kLeaveOut } figures = Figures::kDraw;  ///< and the animation
 };
 
 /// Adds animation and figures. Falls without a trajectory are left out.
 void show(const Falls& falls, Report& report);
 
-/// "①", as fall.js has it.
-std::string circled(std::size_t n);
 /// A figure over the time from release, with a cursor that all such figures share.
 Figure over_time(const std::string& name, const std::string& y_label, std::vector<Series> series);
-/// Marks the peaks with their numbers.
-void add_marks(Panel& panel, const std::vector<landing::Peak>& peaks, int colour);
 /// The first row at or after a time; rows are sorted by time.
 template <class Sample>
 const Sample& row_at(const std::vector<Sample>& rows, double t) {
@@ -44,8 +41,32 @@ const Sample& row_at(const std::vector<Sample>& rows, double t) {
   return after == rows.end() ? rows.back() : *after;
 }
 
-/// Fig. 6 and 7 of [1] in one figure, for a file: the postures at the peaks above the acceleration.
-Figure fall_picture(Panel postures, Figure acceleration);
+/// The curves, all but the first dashed.
+std::vector<Series> dashed(std::vector<Series> curves);
+
+/// A fall as the figures of any robot show it.
+struct ShownFall {
+  std::string name;
+  const std::vector<landing::Peak>& peaks;
+  Json animation;
+  Series acceleration;
+  std::function<void(Panel&, double t, double x)> draw;  ///< the robot at time t [s] with its origin at x [m]
+};
+struct ShownFalls {
+  PointName point;
+  std::string symbol, of;  ///< the acceleration: "|ddr_0|", "the thigh's centre of mass"
+  /// Of postures [m]: distance to the next one; heights of number, peak and time; range. Whether the floor is level.
+  struct Posture {
+    double step, number, peak, time, low, high;
+    bool floor;
+  } posture;
+  std::string posture_words, data;    ///< end of the postures' caption; name of the CSV with the numbers
+  std::optional<double> limit = {};   ///< lower bound of the peak [m/s^2]
+  std::size_t ghosts = 0;             ///< in the animation
+  std::vector<ShownFall> falls = {};  ///< the first is the requested one
+  std::vector<Figure> details = {};   ///< after the acceleration
+};
+void show(const ShownFalls& falls, Report& report);
 
 /// Kinetic and potential energy of both links [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);

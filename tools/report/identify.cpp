@@ -54,8 +54,8 @@ std::string model_advice(const identify::Ladder& ladder) {
     return fmt::format("Take this model: `{}`. BIC{} it.", option(by_bic),
                        by_trials ? " and the trials held out both prefer" : " prefers");
   return fmt::format(
-      "BIC prefers the model `{}`; trials held out are predicted best with `{}` ({:.4g} rad rms against "
-      "{:.4g}): take that.",
+      "BIC prefers the model `{}`; trials held out are predicted best with `{}` ({:.4g} rad rms against {:.4g}): take "
+      "that.",
       option(by_bic), option(*by_trials), by_trials->held_out, by_bic.held_out);
 }
 

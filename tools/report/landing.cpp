@@ -158,11 +158,6 @@ void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string
   for (const std::string& doubt : doubts) run.warn(whose + doubt);
 }
 
-Series curve(const std::string& name, const std::vector<Sample>& trajectory, double Sample::*column, double unit) {
-  Series out{name, {}, {}};
-  for (const Sample& s : trajectory) out.x.push_back(s.t), out.y.push_back(s.*column * unit);
-  return out;
-}
 void floor_source(Report& report, const std::string& source) {
   if (!source.empty()) report.paragraph("Floor constants: " + source + ".");
 }

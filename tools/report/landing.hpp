@@ -2,7 +2,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +47,30 @@ std::string motion_words(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
 /// "foot, knee, hip": the points in the order of their peaks; chatter left out.
 std::string contact_order(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
+/// Quantities of a checked landing. `acceleration`: its symbol; points_of(checked): names of its points; `own`: of this
+/// kind of robot.
+template <class Checked>
+Quantities<Checked> checked_quantities(const std::string& acceleration, PointName (*points_of)(const Checked&),
+                                       const Quantities<Checked>& own) {
+  const auto checked = [](auto member) {
+    return [member](const Checked& c) { return c.sensitivity.checked ? Json(c.sensitivity.*member) : Json(); };
+  };
+  using landing::Sensitivity;
+  Quantities<Checked> out = {
+      {"", "peak_acceleration", "peak " + acceleration + " [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
+      {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
+      {"", "error_estimate", "estimated relative error", "{:.1g}", checked(&Sensitivity::error_estimate)},
+      {"", "sensitive", checked(&Sensitivity::sensitive)},
+      {"", "sensitivity", checked(&Sensitivity::change)}};
+  out.insert(out.end(), own.begin(), own.end());
+  out.insert(out.end(),
+             {{"", "", "contacts", {}, [=](auto& c) { return contact_order(c.landing.peaks, points_of(c)); }},
+              {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
+              {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
+              {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
+              {"", "steps", [](auto& c) { return c.landing.work.steps; }}});
+  return out;
+}
 /// Why there is no landing; `point`: what touches the floor, "point" or "contact".
 std::string failure_words(const landing::RunEnd& run, const char* point = "point");
 
@@ -63,9 +86,13 @@ void warn_of(const std::vector<std::string>& doubts, Run& run, const std::string
 /// Warns of variables on an edge of their search range.
 void warn_of_edges(const std::vector<landing::Variable>& variables, const landing::Edges& edges, Run& run);
 
-/// A column of a trajectory over time, multiplied by `unit`.
-Series curve(const std::string& name, const std::vector<landing::Sample>& trajectory, double landing::Sample::*column,
-             double unit = 1);
+/// A quantity of a trajectory over time, multiplied by `unit`; `of`: a function or a member of a row.
+template <class Row, class Of>
+Series curve(const std::string& name, const std::vector<Row>& trajectory, Of of, double unit = 1) {
+  Series out{name, {}, {}};
+  for (const Row& s : trajectory) out.x.push_back(s.t), out.y.push_back(std::invoke(of, s) * unit);
+  return out;
+}
 /// Heat map over variables x and y: the smallest peak over all others.
 Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Adds where the floor's constants come from, if the scene says so.

@@ -56,10 +56,9 @@ void doubt_hinges(const BodyScene& scene, const BodyLanding& l, Doubts& out) {
 
 std::vector<std::string> landing_doubts(const Landing& l) {
   if (!l.joint_lost) return {};
-  return {
-      fmt::format("the joint turns from {:.4g} to {:.4g} deg: the drive has lost it, and the peak is that of a link "
-                  "that whirls",
-                  l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees)};
+  return {fmt::format(
+      "the joint turns from {:.4g} to {:.4g} deg: the drive has lost it, and the peak is that of a link that whirls",
+      l.demands.phi_min * kDegrees, l.demands.phi_max * kDegrees)};
 }
 
 std::vector<std::string> landing_doubts(const Ratings& r) {

@@ -114,10 +114,10 @@ Json forbidden_touches(const Answer& a, Run& run) {
                            {"sampled", inside},
                            {"samples", t.samples}};
     if (box + inside > 0)
-      run.warn(fmt::format(
-          "the {} touches in {} of the {} motions of the execution box and in {} of {} random ones inside: --forbid "
-          "holds for those {} alone",
-          kPointNames[j], box, kExecutionPoints, inside, t.samples, kExecutionPoints));
+      run.warn(
+          fmt::format("the {} touches in {} of the {} motions of the execution box and in {} of {} random ones inside: "
+                      "--forbid holds for those {} alone",
+                      kPointNames[j], box, kExecutionPoints, inside, t.samples, kExecutionPoints));
   }
   return out;
 }
@@ -149,10 +149,10 @@ void warn_of_deviations(const Answer& a, Run& run) {
         fmt::format("the peak of {:.4g} m/s^2 becomes {}; {} it is {}: half of what the motion saves, or more, is lost",
                     a.peak(), costly, held_words(a), short_peak_words(a.held_peak())));
   if (!a.evidence->complete && a.evidence->work > kCheckWork && !interrupted())
-    run.warn(fmt::format(
-        "the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; --evidence "
-        "plays it",
-        Evidence::kLandings, double(a.evidence->work)));
+    run.warn(
+        fmt::format("the landings of this scene are long ({} of them take {:.2g} steps or more): evidence is left out; "
+                    "--evidence plays it",
+                    Evidence::kLandings, double(a.evidence->work)));
 }
 
 void warn(const Answer& a, Run& run) {
@@ -206,9 +206,10 @@ Series descent(const Optimum& o, double lowest, bool timed) {
   return out;
 }
 
-Falls::Figures figures_of(const Answer& a) {
+/// Whether there is time to draw the figures.
+bool drawn(const Answer& a) {
   const std::optional<double>& deadline = a.options.search.deadline;
-  return deadline && *deadline < kDrawnFrom ? Falls::Figures::kLeaveOut : Falls::Figures::kDraw;
+  return !deadline || *deadline >= kDrawnFrom;
 }
 
 /// Peaks under each deviation, as planned and held.
@@ -301,34 +302,32 @@ Report page_of(const Answer& a, const Run& run) {
   report.answer(first_screen(a), run.warnings());
   std::optional<double> limit;
   if (a.limit && !a.best.motion.reposition) limit = a.limit->jump;
-  show({a.scene,
-        a.actuator,
-        {{"best motion", &a.landing, a.under_scatter ? a.under_scatter->shown : std::vector<Landing>{}},
-         {held_words(a), &a.held}},
-        limit,
-        "",
-        figures_of(a)},
-       report);
+  if (drawn(a))
+    show({a.scene,
+          a.actuator,
+          {{"best motion", &a.landing, a.under_scatter ? a.under_scatter->shown : std::vector<Landing>{}},
+           {held_words(a), &a.held}},
+          limit,
+          ""},
+         report);
   report.distrust(run.warnings());
   report.folded("All numbers", Table::of(answer_quantities(a), a).transposed());
-  if (figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) {
+  if (drawn(a) && a.evidence && a.evidence->complete) {
     report.heading("When something is not as planned");
     report.figure(deviations(a));
   }
-  if (figures_of(a) == Falls::Figures::kDraw) show_scatter(a, report);
+  if (drawn(a)) show_scatter(a, report);
   const bool page = run.options().report == CommonOptions::Report::kWrite;
-  if (page && figures_of(a) == Falls::Figures::kDraw && a.evidence && a.evidence->complete) show_slices(a, report);
+  if (page && drawn(a) && a.evidence && a.evidence->complete) show_slices(a, report);
   report.heading("The search");
   std::vector<Series> descents;
   const bool timed = a.options.search.deadline.has_value();
   for (const Optimum& o : a.tried) descents.push_back(descent(o, a.best.value, timed));
-  if (figures_of(a) == Falls::Figures::kLeaveOut)
-    report.paragraph(
-        "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` "
-        "does.");
-  else
+  if (drawn(a))
     report.plot("search", timed ? "time [s]" : "motions evaluated", "gap to the lowest value [%]", descents,
                 Axes::kLogarithmic);
+  else
+    report.paragraph(kNotDrawn);
   report.paragraph("Its numbers, and the time that they took: progress.csv.");
   constants_table(report, a.scene, a.actuator);
   floor_source(report, a.scene.floor_source);

@@ -59,8 +59,7 @@ int report(const Scene& scene, const std::vector<RatedPlan>& plans, Run& run) {
   Report page("What speed buys: " + scene.name);
   page.paragraph(
       "The best motions of a motor with these ratings, which hold wherever the motion may end within the scene's "
-      "execution "
-      "tolerance. The motion beside them is that of the tolerant peak.");
+      "execution tolerance. The motion beside them is that of the tolerant peak.");
   Json summary = {{"ratings", add_table(table, page, run, "ratings.csv",
                                         "The motion is that of the tolerant peak. Units: rad/s, Nm, m/s^2, deg, s.")}};
   std::vector<Series> series = curves(plans, "peak", &RatedPlan::lowest);

@@ -172,8 +172,8 @@ void Report::plot(const std::string& name, const std::string& x_label, const std
 }
 void Report::player(const Json& landings) {
   body() +=
-      "<div class=\"player\" id=\"player\"><noscript><p>The animation needs the script of this page; the "
-      "postures and the figures below show the same.</p></noscript></div>\n" +
+      "<div class=\"player\" id=\"player\"><noscript><p>The animation needs the script of this page; the postures and "
+      "the figures below show the same.</p></noscript></div>\n" +
       json_block("landings", landings.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 

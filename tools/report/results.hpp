@@ -34,6 +34,9 @@ enum class Doubt;
 
 /// Smallest deadline [s] of results with figures: gnuplot takes some 0.2 s, and several times that on a busy machine.
 inline constexpr double kDrawnFrom = 2;
+/// In place of the figures.
+inline constexpr const char* kNotDrawn =
+    "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` does.";
 
 /// `held`: landing of the held reference on the same drop, for comparison.
 int report(const landing::CheckedLanding& landing, const Actuator& actuator,

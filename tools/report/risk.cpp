@@ -307,10 +307,9 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   page.figure(peak_figure);
   if (!r.uncertainties.empty()) page.figure(sobol_figure(r));
   if (!r.uncertainties.empty())
-    add_table(
-        indices, page, run, "sobol.csv",
-        "Shares of the variance of the peak: first, what a number brings alone; total, with what it does together "
-        "with others; low, high: 95 % intervals.");
+    add_table(indices, page, run, "sobol.csv",
+              "Shares of the variance of the peak: first, what a number brings alone; total, with what it does "
+              "together with others; low, high: 95 % intervals.");
   for (const Table* x : {&contacts, &touched, &exceeded})
     if (!x->shown().empty()) add_table(*x, page, run);
   page.answer(first_screen(r, t), run.warnings());

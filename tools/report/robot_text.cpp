@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/error.hpp"

@@ -186,10 +186,9 @@ void report_scatter(const Answer& a, Run& run) {
     run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
                          u.planned.samples));
   if (u.lost > 0)
-    run.warn(
-        fmt::format("in {} of {} scattered drops the drive loses the joint: their peaks are those of a link that "
-                    "whirls",
-                    u.lost, u.planned.samples));
+    run.warn(fmt::format(
+        "in {} of {} scattered drops the drive loses the joint: their peaks are those of a link that whirls", u.lost,
+        u.planned.samples));
   const double worst = u.planned.cvar90.value;
   const bool tail = a.scattered && a.options.robust.measure->kind != Measure::Kind::kMean;
   if (!(worst <= u.held.cvar90.value) || !(worst <= u.posture.cvar90.value))
@@ -199,10 +198,9 @@ void report_scatter(const Answer& a, Run& run) {
                     short_peak_words(worst), held_words(), short_peak_words(u.held.cvar90.value), posture,
                     short_peak_words(u.posture.cvar90.value), tail ? "" : "; --robust cvar plans for that"));
   if (a.scattered && u.measured.value > u.posture_value)
-    run.warn(
-        fmt::format("over the scattered drops holding at {:.1f} deg is better by what was asked for: {} m/s^2, the "
-                    "motion {}",
-                    posture, short_peak_words(u.posture_value), short_peak_words(u.measured.value)));
+    run.warn(fmt::format(
+        "over the scattered drops holding at {:.1f} deg is better by what was asked for: {} m/s^2, the motion {}",
+        posture, short_peak_words(u.posture_value), short_peak_words(u.measured.value)));
 }
 
 }  // namespace ukemi::tools

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "landing/judge/checked.hpp"
@@ -23,28 +22,16 @@ using namespace landing;
 
 namespace {
 
-const Quantities<CheckedLanding> kQuantities = {
-    {"", "peak_acceleration", "peak |ddr_0| [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
-    {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
-    {"", "error_estimate", "estimated relative error", "{:.1g}",
-     [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.error_estimate) : Json(); }},
-    {"", "sensitive", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.sensitive) : Json(); }},
-    {"",
-     "",
-     "sensitive",
-     {},
-     [](auto& c) { return !c.sensitivity.checked    ? "not checked"
-                          : c.sensitivity.sensitive ? "yes"
-                                                    : "no"; }},
-    {"", "sensitivity", [](auto& c) { return c.sensitivity.checked ? Json(c.sensitivity.change) : Json(); }},
-    {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }},
-    {"", "", "contacts", {}, [](auto& c) { return contact_order(c.landing.peaks); }},
-    {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
-    {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
-    {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
-    {"", "steps", [](auto& c) { return c.landing.work.steps; }},
-    {"", "implicit_steps", [](auto& c) { return c.landing.work.implicit; }},  // where a phase is stiff
-};
+const Quantities<CheckedLanding> kQuantities = checked_quantities<CheckedLanding>(
+    "|ddr_0|", [](auto&) { return PointName(point_name); },
+    {{"",
+      "",
+      "sensitive",
+      {},
+      [](auto& c) { return !c.sensitivity.checked    ? "not checked"
+                           : c.sensitivity.sensitive ? "yes"
+                                                     : "no"; }},
+     {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }}});
 
 /// "held at -45 deg", "from -45 to -60 deg in 0.1 s".
 std::string motion_name(const Motion& m) {
@@ -82,6 +69,7 @@ int report(const CheckedLanding& c, const Actuator& actuator, const std::optiona
   warn(c, run);
   const Table table = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
   Json summary = table.object();
+  summary["implicit_steps"] = l.work.implicit;  // where a phase is stiff
   if (l.end == End::kFailed) summary["failed"] = failure_words(l);
   summary["motion"] = motion_json(c.motion);
   summary["peaks"] = peaks_json(l.peaks);

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "landing/body/load.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"

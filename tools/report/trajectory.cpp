@@ -35,8 +35,8 @@ const RowColumns<Sample>& trajectory_columns() {
 std::string trajectory_csv(const std::vector<Sample>& trajectory, const Run& run) {
   CsvWriter csv = run.csv();
   csv.comment(
-      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; "
-      "acc = |ddr_0|, m/s^2.");
+      "t = 0 at release. Two rows with one t: left and right limit of an event. Units: s, m, rad, N, Nm; acc = "
+      "|ddr_0|, m/s^2.");
   return rows_csv(csv, trajectory_columns(), &RowColumn<Sample>::name, trajectory);
 }
 

@@ -75,16 +75,15 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
                     tests.normality.kurtosis > 1 ? ": outliers? see --loss huber:DELTA" : ""));
   if (t.ladder && t.ladder->plain_rejected()) {
     const identify::Ladder& l = *t.ladder;
-    out.push_back(
-        fmt::format("the model without further terms is rejected (likelihood ratio, level {:g} %: p {}); BIC "
-                    "prefers {}",
-                    100 * kTestLevel, p_words(l.p_plain), l.rungs[l.preferred].name));
+    out.push_back(fmt::format(
+        "the model without further terms is rejected (likelihood ratio, level {:g} %: p {}); BIC prefers {}",
+        100 * kTestLevel, p_words(l.p_plain), l.rungs[l.preferred].name));
   }
   for (const LeftOut& l : t.left_out)
     if (l.disagrees)
       out.push_back(
-          fmt::format("{} disagrees with the other trials (Chow's test, level {:g} % for all: p {}): without "
-                      "it {} moves by {:+.1f} standard errors",
+          fmt::format("{} disagrees with the other trials (Chow's test, level {:g} % for all: p {}): without it {} "
+                      "moves by {:+.1f} standard errors",
                       l.file, 100 * kTestLevel, p_words(l.p), kConstantNames[most_moved(l)], l.shift[most_moved(l)]));
   return out;
 }
@@ -235,8 +234,8 @@ void report_profiles(const std::vector<identify::Profile>& profiles, const ident
   if (profiles.empty()) return;
   CsvWriter csv = run.csv();
   csv.comment(
-      "rise of -2 log likelihood above its minimum, the other constants refitted; empty where no rollout is "
-      "possible. Inside the 95 % interval it is below `threshold`.");
+      "rise of -2 log likelihood above its minimum, the other constants refitted; empty where no rollout is possible. "
+      "Inside the 95 % interval it is below `threshold`.");
   csv.header({"constant", "value", "rise", "threshold"});
   for (const identify::Profile& p : profiles) {
     const identify::Estimate& e = *find_constant(fit, p.constant);

@@ -84,25 +84,6 @@ Pad pad_on(const BodyScene& scene, const ContactLaw& law) {
   return {kThickness, kSoft * linear.stiffness, kSoft * linear.damping};
 }
 
-}  // namespace
-
-BodyScene with_law(BodyScene scene, const FloorLaw& law) {
-  const BodyScene given = scene;
-  for (ContactPoint& c : scene.robot.contacts) {
-    if (c.law.hunt_crossley != law.hunt_crossley) change_normal(given, c.law);
-    if (std::isfinite(c.law.friction) != law.coulomb) change_tangential(given, c.law);
-    if (!law.pads)
-      c.pad.reset();
-    else if (!law_of(given.robot).pads)
-      c.pad = pad_on(given, c.law);
-  }
-  return scene;
-}
-
-// --- terms ---
-
-namespace {
-
 /// A constant of contact laws: its term, the contacts that it acts on, and those it is fitted for by default.
 struct ContactConstant {
   DropTerm term;
@@ -181,30 +162,6 @@ void add_terms(const BodyScene& scene, const ContactConstant& constant, std::vec
   out.free.insert(out.free.end(), own.begin(), own.end());
   if (contacts.size() > 1) table.insert(table.end(), single.begin(), single.end());
 }
-
-}  // namespace
-
-Terms<DropTerm> drop_choice(const BodyScene& scene) {
-  Terms<DropTerm> out;
-  std::vector<DropTerm> table;
-  for (const ContactConstant& constant : contact_constants()) add_terms(scene, constant, table, out);
-  const Base base = scene.robot.base;
-  if (base != Base::kRail) table.push_back(pitch_term());
-  if (base == Base::kFree) out.free.push_back("pitch");
-  for (DropTerm& t : drop_nuisances()) {
-    const bool moves_base = t.name == "height_offset"  ? base != Base::kPinned
-                            : t.name == "speed_offset" ? base == Base::kFree
-                            : t.name == "pitch_offset" ? base != Base::kRail
-                                                       : true;
-    if (moves_base) table.push_back(std::move(t));
-  }
-  out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table));
-  return out;
-}
-
-// --- fits ---
-
-namespace {
 
 /// Orders constants of single contacts after those that contacts share, so that they override them, and removes those
 /// that are not fitted and follow a shared one.
@@ -334,6 +291,41 @@ void check_floor(const BodyScene& scene) {
 }
 
 }  // namespace
+
+BodyScene with_law(BodyScene scene, const FloorLaw& law) {
+  const BodyScene given = scene;
+  for (ContactPoint& c : scene.robot.contacts) {
+    if (c.law.hunt_crossley != law.hunt_crossley) change_normal(given, c.law);
+    if (std::isfinite(c.law.friction) != law.coulomb) change_tangential(given, c.law);
+    if (!law.pads)
+      c.pad.reset();
+    else if (!law_of(given.robot).pads)
+      c.pad = pad_on(given, c.law);
+  }
+  return scene;
+}
+
+// --- terms ---
+
+Terms<DropTerm> drop_choice(const BodyScene& scene) {
+  Terms<DropTerm> out;
+  std::vector<DropTerm> table;
+  for (const ContactConstant& constant : contact_constants()) add_terms(scene, constant, table, out);
+  const Base base = scene.robot.base;
+  if (base != Base::kRail) table.push_back(pitch_term());
+  if (base == Base::kFree) out.free.push_back("pitch");
+  for (DropTerm& t : drop_nuisances()) {
+    const bool moves_base = t.name == "height_offset"  ? base != Base::kPinned
+                            : t.name == "speed_offset" ? base == Base::kFree
+                            : t.name == "pitch_offset" ? base != Base::kRail
+                                                       : true;
+    if (moves_base) table.push_back(std::move(t));
+  }
+  out.table = std::make_shared<const std::vector<DropTerm>>(std::move(table));
+  return out;
+}
+
+// --- fits ---
 
 void check_drop_arguments(const Robot& robot, const char* height, const char* forward_speed) {
   if (height && robot.base == Base::kPinned) throw InputError(std::string(height) + ": a pinned robot is not dropped");

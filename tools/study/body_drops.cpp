@@ -1,7 +1,6 @@
 #include "tools/study/body_drops.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "landing/body/floor_constants.hpp"
 

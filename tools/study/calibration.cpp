@@ -1,7 +1,5 @@
 #include "tools/study/calibration.hpp"
 
-#include <cmath>
-
 #include "common/eigen.hpp"
 #include "common/error.hpp"
 #include "landing/model/release.hpp"

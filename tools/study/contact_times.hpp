@@ -10,7 +10,6 @@
 #pragma once
 
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "tools/study/robot_trials.hpp"

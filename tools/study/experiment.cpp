@@ -45,8 +45,8 @@ identify::Knowledge knowledge_of(const DesignRequest& r, double noise) {
 DesignQuestion design_question(const DesignRequest& r) {
   if (r.rig.drive.known_command())
     throw InputError(Location{r.rig_name},
-                     "the drive follows a command that is logged: of a hit to come none is known; "
-                     "a controller in the loop is needed ([drive] command_gain, angle = \"predicted\")");
+                     "the drive follows a command that is logged: of a hit to come none is known; a controller in the "
+                     "loop is needed ([drive] command_gain, angle = \"predicted\")");
   DesignQuestion out{.rig = r.rig, .knowledge = {}, .trials = r.trials, .options = options_of(r)};
   out.knowledge = knowledge_of(r, out.options.log.noise);
   return out;

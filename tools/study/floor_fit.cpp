@@ -198,10 +198,18 @@ void compare_with_noise(FloorFit& out) {
     if (std::isfinite(out.noise[o]) && out.rms[o] > identify::kFarAboveNoise * out.noise[o]) {
       identify::distrust(out.parameters);
       out.warnings.push_back(
-          fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks "
-                      "something, or no start found the minimum",
+          fmt::format("{}: the residual {:.3g} {} is {:.1f} times the logs' noise: the model lacks something, or no "
+                      "start found the minimum",
                       out.channels[o].name, out.rms[o], out.channels[o].unit, out.rms[o] / out.noise[o]));
     }
+}
+
+/// The result of a drop that could not be simulated.
+DropResult not_simulated(const DropLog& log) {
+  DropResult out{.file = log.file};
+  out.value.resize(log.output.size()), out.used.resize(log.output.size());
+  out.rms.assign(log.output.size(), std::numeric_limits<double>::quiet_NaN());
+  return out;
 }
 
 }  // namespace
@@ -263,18 +271,6 @@ void check_logs(const DropSimulator& drops) {
                                                std::isfinite(touchdown) ? fmt::format(" at {:.4g} s", touchdown) : ""));
   }
 }
-
-namespace {
-
-/// The result of a drop that could not be simulated.
-DropResult not_simulated(const DropLog& log) {
-  DropResult out{.file = log.file};
-  out.value.resize(log.output.size()), out.used.resize(log.output.size());
-  out.rms.assign(log.output.size(), std::numeric_limits<double>::quiet_NaN());
-  return out;
-}
-
-}  // namespace
 
 FloorFit fit_floor(const DropSimulator& drops, const CalibrationOptions& options) {
   options.validate();

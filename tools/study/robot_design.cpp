@@ -175,9 +175,9 @@ RobotTrial planned_trial(const DrivenRobot& robot, const RobotTrial& commands, c
     if (std::isfinite(first_of(commands.log.output[o])) || r.joints[i].kind == DriveKind::kLocked) continue;
     const std::vector<double>& command = commands.commands->joint[i][kPhiRef];
     if (r.joints[i].driven() && command.empty())
-      throw InputError({commands.log.file}, fmt::format("no column '{0}', and no 'phi_ref_{1}': one is needed, where "
-                                                        "the joint starts",
-                                                        channels[o].name, r.joints[i].name));
+      throw InputError({commands.log.file},
+                       fmt::format("no column '{0}', and no 'phi_ref_{1}': one is needed, where the joint starts",
+                                   channels[o].name, r.joints[i].name));
     start[o] = r.joints[i].driven() ? command.front() : r.joints[i].phi;
   }
   for (std::size_t o = 0; o < channels.size(); ++o) {

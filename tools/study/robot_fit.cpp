@@ -1,5 +1,4 @@
 // Fits of driven robots, and predictions with their uncertainty.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

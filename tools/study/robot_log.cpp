@@ -71,9 +71,9 @@ class LogColumns {
     if (c >= 0) table_.require_full(c);
     for (std::size_t i = 0; i < out.size() && name.rfind("on_", 0) == 0; ++i)
       if (!(out[i] >= 0 && out[i] <= 1))
-        throw InputError(table_.at(c, i), fmt::format("column '{}': {}: from 0 to 1 is needed, the share of the torque "
-                                                      "that acts",
-                                                      name, shortest(out[i])));
+        throw InputError(table_.at(c, i),
+                         fmt::format("column '{}': {}: from 0 to 1 is needed, the share of the torque that acts", name,
+                                     shortest(out[i])));
     return out;
   }
   std::vector<double> angle(const std::string& name, const RobotLogOptions& options) const {
@@ -168,19 +168,6 @@ std::vector<std::size_t> cut(const std::vector<double>& t, double length, const 
   return out;
 }
 
-}  // namespace
-
-std::vector<DropChannel> sensed_channels(const Robot& robot) {
-  std::vector<DropChannel> out;
-  for (const MeasuredColumn& c : measured_columns(robot)) {
-    const bool jumps = c.unit == "m/s^2" || c.unit == "N";
-    out.push_back({c.name, c.unit, jumps});
-  }
-  return out;
-}
-
-namespace {
-
 /// Notes gaps of missing rows, over which commands are held and nothing is measured.
 void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
   constexpr double kGap = 3;  // median steps
@@ -191,8 +178,8 @@ void note_gaps(const std::vector<double>& t, std::vector<std::string>& notes) {
   const auto widest = std::max_element(steps.begin(), steps.end());
   if (gaps > 0)
     notes.push_back(
-        fmt::format("{} gap{}, the widest of {:.3g} s at {:.3f} s, where a row takes {:.3g} s: commands are "
-                    "held through it; --pieces cuts the log there",
+        fmt::format("{} gap{}, the widest of {:.3g} s at {:.3f} s, where a row takes {:.3g} s: commands are held "
+                    "through it; --pieces cuts the log there",
                     gaps, gaps > 1 ? "s" : "", *widest, t[std::size_t(widest - steps.begin())], usual));
 }
 
@@ -223,6 +210,15 @@ void note_unread_forces(const CsvTable& table, const ColumnMap& map, std::vector
 
 }  // namespace
 
+std::vector<DropChannel> sensed_channels(const Robot& robot) {
+  std::vector<DropChannel> out;
+  for (const MeasuredColumn& c : measured_columns(robot)) {
+    const bool jumps = c.unit == "m/s^2" || c.unit == "N";
+    out.push_back({c.name, c.unit, jumps});
+  }
+  return out;
+}
+
 std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vector<RobotTrial>& trials) {
   constexpr double kSmall = 0.2, kLarge = 1e3;  // plausible range of the sum of the largest forces over the weight
   constexpr double kTurned = 0.05;              // largest over -lowest force below which the sign looks wrong
@@ -247,10 +243,9 @@ std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vecto
       if (amount == 0 && overall > 0) out.push_back(fmt::format("{}: column {}: 0 in every row", run, quoted(name)));
     if (overall == 0 || !name.ends_with(kForceNames[1])) continue;
     if (largest < kTurned * -lowest) {
-      out.push_back(
-          fmt::format("column {}: down to {:.3g} N and hardly above 0, where the floor pushes upwards: is its "
-                      "sign turned?",
-                      quoted(name), lowest));
+      out.push_back(fmt::format(
+          "column {}: down to {:.3g} N and hardly above 0, where the floor pushes upwards: is its sign turned?",
+          quoted(name), lowest));
     } else {
       upright.push_back(name), total += largest;
     }
@@ -258,8 +253,8 @@ std::vector<std::string> force_doubts(const DrivenRobot& robot, const std::vecto
   const double weight = body.base == Base::kPinned ? 0 : body.mass() * body.gravity;
   if (weight > 0 && total > 0 && (total < kSmall * weight || total > kLarge * weight))
     out.push_back(
-        fmt::format("the forces of contacts ({}) come to {:.3g} N at most, and the robot weighs {:.3g} N: are "
-                    "they in N? Another unit is said by the name, as {}_kN",
+        fmt::format("the forces of contacts ({}) come to {:.3g} N at most, and the robot weighs {:.3g} N: are they in "
+                    "N? Another unit is said by the name, as {}_kN",
                     fmt::join(upright, ", "), total, weight, upright.front()));
   return out;
 }

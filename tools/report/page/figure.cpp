@@ -262,8 +262,8 @@ std::string titles_and_key(const Panel& p, const PanelArea& at, const Canvas& c,
   if (!p.title.empty()) out += label_at(p.title, at.left, at.top - kLineHeight * (key.rows + 0.5) - 2, c, "left");
   if (key.rows == 0) return out + "set key off\n";
   return out + fmt::format(
-                   "set key at screen {:.5f},{:.5f} left bottom horizontal Left reverse samplen 1.6 width 0 "
-                   "maxcols {} maxrows {}\n",
+                   "set key at screen {:.5f},{:.5f} left bottom horizontal Left reverse samplen 1.6 width 0 maxcols {} "
+                   "maxrows {}\n",
                    at.left / c.width, 1 - (at.top - 3) / c.height, key.columns, key.rows);
 }
 

@@ -57,8 +57,7 @@ std::string base64(const std::string& hex) {
 std::string page(const std::string& title, const std::string& body) {
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
-         "img-src "
-         "data:; script-src 'sha256-" +
+         "img-src data:; script-src 'sha256-" +
          base64(kScriptSha256) +
          "'\">\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
          "<meta name=\"color-scheme\" content=\"light dark\">\n<title>" +
