@@ -154,7 +154,7 @@ void show(const BodyScene& scene, std::vector<BodyFall> falls, const std::string
   Figure energy = over_time("energy", "energy [J]", {curve("links", first, &BodySample::energy)});
   energy.caption = "Kinetic and gravitational energy of the links, " + falls[0].name + ".";
   out.details = {joint, torque, energy};
-  show(out, report);
+  show(std::move(out), report);
 }
 
 }  // namespace ukemi::tools

@@ -136,10 +136,10 @@ void add_links(Panel& panel, const Sample& s, double length, double x) {
 
 }  // namespace
 
-void show(const ShownFalls& all, Report& report) {
+void show(ShownFalls all, Report& report) {
   report.heading("The fall");
   Json landings = Json::array();
-  for (const ShownFall& f : all.falls) landings.push_back(f.animation);
+  for (ShownFall& f : all.falls) landings.push_back(std::move(f.animation));
   report.player({{"landings", landings}});
   if (all.ghosts > 0) report.paragraph(fmt::format("Thin: the same motion in {} scattered drops.", all.ghosts));
   Figure postures;
@@ -151,7 +151,7 @@ void show(const ShownFalls& all, Report& report) {
   report.figure(acceleration(all, all.falls.size()));
   if (!contact_peaks(all.falls[0].peaks).empty())
     report.figure(fall_picture(postures_of(all, all.falls[0]), acceleration(all, 1)));
-  for (const Figure& detail : all.details) report.figure(detail);
+  for (Figure& detail : all.details) report.figure(std::move(detail));
   if (!all.data.empty()) report.paragraph("The numbers of these figures: " + all.data + ".");
 }
 
@@ -192,7 +192,7 @@ void show(const Falls& given, Report& report) {
                  against_rating(f, "torque", "spring torque [Nm]", &Sample::tau_sea, f.actuator.sea.tau_max, "limit"),
                  against_rating(f, "speed", "motor speed [rad/s]", &Sample::dphi_m, f.actuator.speed_max, "rated"),
                  energy(f)};
-  show(out, report);
+  show(std::move(out), report);
 }
 
 std::vector<std::string> fall_figures() {

@@ -66,7 +66,7 @@ struct ShownFalls {
   std::vector<ShownFall> falls = {};  ///< the first is the requested one
   std::vector<Figure> details = {};   ///< after the acceleration
 };
-void show(const ShownFalls& falls, Report& report);
+void show(ShownFalls falls, Report& report);
 
 /// Kinetic and potential energy of both links [J].
 double link_energy(const landing::Scene& scene, const landing::Sample& sample);
