@@ -337,7 +337,8 @@ TEST_CASE("a scene that does not say which robot falls, and tables in the wrong 
   const std::string says = "robot = \"FILE\" above all tables";
   refused(replaced(scene, "robot =", "robt ="), {"scene.toml: ", "[robot] is missing (there is [robt])", says});
   refused(replaced(scene, "robot = \"leg.toml\"", "") + "robot = \"leg.toml\"\n", {"[robot] is missing", says});
-  refused(replaced(scene, "robot = \"leg.toml\"", "[robot]\nfile = \"leg.toml\""), {"--actuator is required", says});
+  f.write("scene.toml", replaced(scene, "robot = \"leg.toml\"", "[robot]\nfile = \"leg.toml\""));
+  check_refused(f, {"simulate", "scene.toml"}, {"--actuator is required", says});
   for (const char* table : {"stop.knee", "command.knee", "sensor", "identified"})
     refused(scene + "\n[" + table + "]\nx = 1\n", {"scene.toml:", "it belongs into the robot's file", "leg.toml"});
   for (const char* table : {"joint.knee", "drop", "floor", "release", "execution", "search.knee"}) {

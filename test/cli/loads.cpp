@@ -455,7 +455,7 @@ TEST_CASE(
              Contains(says + "2048 fresh drops): mean "));
   CHECK(summary(f)["scatter"]["assumed"] == true);
   CHECK_THAT(done(f, Arguments{"optimize", dataset("scenes/hopper.toml")} + few).out,
-             Contains("under scatter (height=0.01; assumed; "));
+             Contains("under scatter (pitch_deg=1,height=0.01; assumed; "));
 }
 
 TEST_CASE("the tolerant peak has one name for both kinds of robot, and what else is minimised is `value`") {
