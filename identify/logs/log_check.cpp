@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "common/noise.hpp"
 #include "identify/logs/hits.hpp"
 #include "identify/logs/trial_checks.hpp"
 
@@ -65,10 +66,25 @@ bool warn_of_signs(const std::vector<Trial>& trials, std::vector<std::string>& w
   return true;
 }
 
+/// Warns of times and forces that look like another unit's: a hit lasts some 10 ms, and is of some newtons.
+void warn_of_units(const std::vector<Trial>& trials, std::vector<std::string>& warnings) {
+  constexpr double kSlow = 0.5, kWeak = 1;  // [s], [N]
+  for (const Trial& t : trials) {
+    if (t.t.size() < 2 || t.force.empty()) continue;
+    if (const double interval = (t.t.back() - t.t.front()) / double(t.t.size() - 1); interval >= kSlow)
+      warnings.push_back(
+          fmt::format("{}: a sample every {:.3g} s: are the times in milliseconds? [s] is needed", t.file, interval));
+    if (const double largest = largest_deviation(t.force); largest > 0 && largest < kWeak)
+      warnings.push_back(
+          fmt::format("{}: the force is {:.3g} N at most: is it in kilonewtons? [N] is needed", t.file, largest));
+  }
+}
+
 }  // namespace
 
 LogCheck check_logs(const std::vector<Trial>& trials) {
   LogCheck out;
+  warn_of_units(trials, out.warnings);
   warn_of_short_pulses(trials, out.warnings);
   const bool gap_in_hit = warn_of_gaps(trials, out.warnings), flipped = warn_of_signs(trials, out.warnings);
   out.flawed = gap_in_hit || flipped;

@@ -7,6 +7,7 @@
 
 #include "common/random.hpp"
 #include "identify/estimate/statistics.hpp"
+#include "identify/logs/log_check.hpp"
 
 using namespace ukemi;
 using namespace ukemi::identify;
@@ -84,6 +85,17 @@ TEST_CASE("hits: a force that goes on is no noise and is left alone") {
   const std::vector<double> before = t.force;
   flatten_force_between_hits(t);
   CHECK(t.force == before);
+}
+
+TEST_CASE("hits: times in milliseconds and forces in kilonewtons are asked about") {
+  Trial t = log_of({{0.0505, 40}}, 0);
+  t.file = "a.csv";
+  CHECK(check_logs({t}).warnings.empty());
+  for (double& x : t.t) x *= 1000;
+  for (double& f : t.force) f /= 1000;
+  CHECK(check_logs({t}).warnings ==
+        std::vector<std::string>{"a.csv: a sample every 1 s: are the times in milliseconds? [s] is needed",
+                                 "a.csv: the force is 0.0399 N at most: is it in kilonewtons? [N] is needed"});
 }
 
 TEST_CASE("gaps: their place and length, in a hit or at rest, and jitter is none") {
