@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kDetection = 5;  // what a hit exceeds, in standard deviations of the force's noise
 
-/// Whether a sample of the force is above its noise and a twentieth of its maximum.
-auto is_pulse(const std::vector<double>& force) {
-  const double small = std::max(0.05 * largest_deviation(force), kDetection * noise_level(force));
+/// Whether a sample of the force is above a twentieth of its maximum, and above `noise`.
+auto is_pulse(const std::vector<double>& force, double noise = 0) {
+  const double small = std::max(0.05 * largest_deviation(force), noise);
   return [small](double f) { return std::abs(f) > small; };
 }
 
 /// Number of samples before the first pulse, less a fifth, which may hold its rise.
 std::size_t samples_at_rest(const std::vector<double>& force) {
-  const auto first = std::find_if(force.begin(), force.end(), is_pulse(force));
+  const auto first = std::find_if(force.begin(), force.end(), is_pulse(force, kDetection * noise_level(force)));
   return first == force.end() ? 0 : 4 * std::size_t(first - force.begin()) / 5;
 }
 
