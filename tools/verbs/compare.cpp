@@ -22,13 +22,13 @@ void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& 
 
 int run_compare(const CompareArguments& a, const CommonOptions& common, Comparison* result) {
   if (!a.scene.empty() && landing::is_of_links(a.scene)) return compare_body(a, common);
+  const PerSet<std::string> files = {only_actuator(a.nominal, "--nominal"),
+                                     only_actuator(a.identified, "--identified")};
   for (const auto& [option, given] : {std::pair("--nominal", &a.nominal), {"--identified", &a.identified}})
     for (const landing::GivenDrive& drive : drives_of(*given, option))
       if (a.scene.empty() && !drive.joint.empty())
         throw InputError(fmt::format("{}: {}={}: JOINT=FILE is of a robot of links, whose --scene is needed", option,
                                      drive.joint, drive.file));
-  const PerSet<std::string> files = {only_actuator(a.nominal, "--nominal"),
-                                     only_actuator(a.identified, "--identified")};
   Run run(kCompareOutputs, common);
   const PerSet<Actuator> sets = {landing_actuator_of(files[0], run), landing_actuator_of(files[1], run)};
   std::optional<RigTrials> measured;
