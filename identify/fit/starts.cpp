@@ -80,7 +80,8 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
     s.rate = std::max(s.rate, dominant_frequency(trial, spring) * largest_deviation(trial.phi));
     if (trial.force.empty() || trial.phi.empty()) continue;
     Balance b;
-    const Gravity& gravity = trial.rig_or(rig).gravity;
+    const Rig& own = trial.rig_or(rig);
+    const Gravity& gravity = own.gravity;
     const double sag = gravity.moment == 0 ? 0 : trial.phi[0] - (trial.phi_ref.empty() ? 0 : trial.phi_ref[0]);
     const std::vector<double> force = force_at_samples(trial);
     for (std::size_t i = 0; i + 1 < trial.samples(); ++i) {
@@ -88,7 +89,7 @@ Suggestion suggest(const Rig& rig, const std::vector<Trial>& trials) {
       const double ref = trial.phi_ref.empty() ? 0 : trial.phi_ref[i];
       const double phi = 0.5 * (trial.phi[i] + trial.phi[i + 1]) - ref;
       const double torque =
-          0.5 * rig.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]) -
+          0.5 * own.length * (std::cos(trial.phi[i]) * force[i] + std::cos(trial.phi[i + 1]) * force[i + 1]) -
           gravity.moment * std::sin(0.5 * (trial.phi[i] + trial.phi[i + 1]) - gravity.hanging);
       b.torque += torque * dt, b.torque_t += torque * t * dt, b.phi += phi * dt, b.phi_t += phi * t * dt;
       b.displacement += (phi - sag) * dt;
