@@ -30,7 +30,7 @@ class BodyFollower {
         system_(course_.system),
         recorder_(scene, out, recorded),
         abandon_peak_(options.abandon_above * peak_rating(scene)),
-        impact_(impact_energy(system_)) {
+        rest_energy_(system_, options.accuracy) {
     if (observed(scene)) loads_.emplace(scene, system_);
   }
 
@@ -86,8 +86,7 @@ class BodyFollower {
     }
     const bool may_rest = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.detecting();
     const double rest_square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
-    if (may_rest && at_rest(system_, t_, integrator.state(), rest_square, impact_, options_.accuracy))
-      return End::kRest;
+    if (may_rest && at_rest(system_, t_, integrator.state(), rest_energy_(rest_square))) return End::kRest;
     return std::nullopt;
   }
   /// Tracks the loads in the step.
@@ -157,7 +156,8 @@ class BodyFollower {
   Recorder<System, kReport> recorder_;
   PeakTracker peak_;
   std::optional<LoadObserver<System>> loads_;
-  double t_ = 0, abandon_peak_, impact_;
+  double t_ = 0, abandon_peak_;
+  RestEnergy rest_energy_;
 };
 
 }  // namespace ukemi::landing

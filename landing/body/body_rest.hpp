@@ -36,21 +36,27 @@ StiffestContact stiffest_contact(const System& s) {
   return out;
 }
 
-/// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
-template <class System>
-double impact_energy(const System& s) {
-  const auto [k, c] = stiffest_contact(s);
-  const double m = 0.25 * s.body.mass, per_speed = c / m + std::sqrt(k / m);
-  return kImpactShare * 0.5 * m / (per_speed * per_speed);
-}
+/// The largest energy E of a run at rest [J].
+struct RestEnergy {
+  /// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
+  double per_square = 0;
+  /// What steps leave in a contact that rests: they move it by some times their tolerance [J].
+  double unresolved = 0;
 
-/// Energy that steps of this accuracy leave in a contact that rests: they move it by some times their tolerance [J].
-template <class System>
-double unresolved_energy(const System& s, double accuracy) {
-  constexpr double kMoved = 10;  // measured: up to 7
-  const double shift = kMoved * accuracy * s.tolerance_unit(System::kY);
-  return 0.5 * stiffest_contact(s).k * shift * shift;
-}
+  RestEnergy() = default;
+  template <class System>
+  RestEnergy(const System& s, double accuracy) {
+    constexpr double kMoved = 10;  // measured: up to 7
+    const auto [k, c] = stiffest_contact(s);
+    const double m = 0.25 * s.body.mass, per_speed = c / m + std::sqrt(k / m),
+                 shift = kMoved * accuracy * s.tolerance_unit(System::kY);
+    per_square = kImpactShare * 0.5 * m / (per_speed * per_speed), unresolved = 0.5 * k * shift * shift;
+  }
+  /// `peak_square`: of the running peak [m^2/s^4]; none below 0.
+  double operator()(double peak_square) const {
+    return peak_square < 0 ? -1 : std::max(per_square * peak_square, unresolved);
+  }
+};
 
 /// Distance of a free robot's centre of mass, shifted by the forces' lever, inside the edge of its support [m].
 template <class System>
@@ -101,14 +107,12 @@ double softest_frequency(const System& s) {
 
 inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
-/// Whether the run, of steps of this accuracy, may end in the state y by the rule above; never if peak_square < 0.
+/// Whether the run may end in the state y by the rule above, E being at most `limit`; never if that is below 0.
 template <class System>
-bool at_rest(const System& s, double t, const typename System::State& y, double peak_square, double per_square,
-             double accuracy) {
-  if (peak_square < 0) return false;
+bool at_rest(const System& s, double t, const typename System::State& y, double limit) {
+  if (limit < 0) return false;
   for (int i = 0; i < s.body.joints; ++i)
     if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return false;
-  const double limit = std::max(per_square * peak_square, unresolved_energy(s, accuracy));
   const bool free = s.body.base == Base::kFree;
   auto p = s.pose(y);
   const double sliding_speed = p.vx;

@@ -109,7 +109,7 @@ class DifferentiatedBody {
   }
   bool rests(double t, const Values& y, double square) const {
     return course_.touched() && !course_.detecting() &&
-           at_rest(plain_, t, y, square, impact_energy(plain_), options_.accuracy);
+           at_rest(plain_, t, y, RestEnergy(plain_, options_.accuracy)(square));
   }
 
  private:

@@ -56,7 +56,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
       const double fallen = course.fall(y);
       this->begin(i, fallen, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
-      last_rest_test_[i] = 0, impact_energy_[i] = impact_energy(course.system), per_square_.set(i, impact_energy_[i]);
+      last_rest_test_[i] = 0, rest_energy_[i] = {course.system, options_.accuracy};
+      per_square_.set(i, rest_energy_[i].per_square), unresolved_.set(i, rest_energy_[i].unresolved);
       const double abandon = c.abandon_above * peak_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);
       init_loads(i, loads);
@@ -319,7 +320,8 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
     constexpr long kRestTestInterval =
         8;  // steps of a lane between rest tests, each as expensive as a step of all lanes
-    M out = no_event & (kinetic_energy(system_.body, p) <= per_square_ * peak_.square);
+    const T energy = kinetic_energy(system_.body, p);
+    M out = no_event & ((energy <= per_square_ * peak_.square) | (energy <= unresolved_));
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
       if (out[i]) {
@@ -332,14 +334,15 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   [[gnu::noinline]] bool rests(int i) const {
     const Course& course = *course_[i];
     return course.touched() && !course.detecting() &&
-           at_rest(course.system, step_.t[i], values(i), rest_square(i), impact_energy_[i], options_.accuracy);
+           at_rest(course.system, step_.t[i], values(i), rest_energy_[i](rest_square(i)));
   }
 
   BodyBatchSource& source_;
   const BodyBatchOptions options_;
   const std::function<bool()> over_ = [this] { return source_.over(); };
-  T longest_{0.0}, per_square_{0.0};
-  std::array<double, W> impact_energy_{}, last_rest_test_{};  ///< see impact_energy; steps at the last rest test
+  T longest_{0.0}, per_square_{0.0}, unresolved_{0.0};
+  std::array<RestEnergy, W> rest_energy_{};
+  std::array<double, W> last_rest_test_{};  ///< steps at the last rest test
   std::array<std::optional<Course>, W> course_{};
   std::array<BodyBatchCase, W> case_{};
   std::array<BodyLanding, W> out_{};
