@@ -24,9 +24,10 @@ bool is_composed(const std::string& design) {
          (design.starts_with("floor.") && design != "floor.slope_deg");
 }
 
-BodyDropColumn column(const std::string& name, double unit, std::function<double&(BodyDrop&)> at) {
-  return {name, [=](const BodyDrop& d) { return at(const_cast<BodyDrop&>(d)) / unit; },
-          [=](BodyDrop& d, double x) { at(d) = x * unit; }};
+/// at(drop): the number of a drop, constant or not.
+template <class At>
+BodyDropColumn column(const std::string& name, double unit, At at) {
+  return {name, [=](const BodyDrop& d) { return at(d) / unit; }, [=](BodyDrop& d, double x) { at(d) = x * unit; }};
 }
 
 /// A deviation from the motion, in rad or s in a drop whose tolerance is 1, as those that are read have.
@@ -44,13 +45,16 @@ std::vector<BodyDropColumn> columns_of(const BodyScene& scene) {
                      [get = design_getter(scene, design)](const BodyDrop& d) { return get(d.scene); },
                      [set = design_setter(scene, design)](BodyDrop& d, double x) { set(d.scene, x); }});
   if (scene.robot.base != Base::kRail)
-    out.push_back(column("pitch_rate_deg", kDegree, [](BodyDrop& d) -> double& { return d.scene.drop.pitch_rate; }));
+    out.push_back(column(
+        "pitch_rate_deg", kDegree, [](auto& d) -> auto& { return d.scene.drop.pitch_rate; }));
   for (std::size_t i = 0; i < scene.robot.joints.size(); ++i) {
     const Joint& joint = scene.robot.joints[i];
     if (!joint.driven()) continue;
     const std::string of = "_" + joint.name;
-    out.push_back(column("phi_off" + of + "_deg", kDegree, [i](BodyDrop& d) -> double& { return d.joints[i].phi; }));
-    out.push_back(column("rate_off" + of + "_deg", kDegree, [i](BodyDrop& d) -> double& { return d.joints[i].rate; }));
+    out.push_back(column(
+        "phi_off" + of + "_deg", kDegree, [i](auto& d) -> auto& { return d.joints[i].phi; }));
+    out.push_back(column(
+        "rate_off" + of + "_deg", kDegree, [i](auto& d) -> auto& { return d.joints[i].rate; }));
     out.push_back(deviation("phi_i_off" + of + "_deg", kDegree, i, &Deviation::phi_i, &ExecutionTolerance::phi));
     out.push_back(deviation("phi_f_off" + of + "_deg", kDegree, i, &Deviation::phi_f, &ExecutionTolerance::phi));
     out.push_back(deviation("duration_off" + of, 1, i, &Deviation::duration, &ExecutionTolerance::duration));

@@ -225,7 +225,7 @@ std::function<double(const BodyScene&)> design_getter(const BodyScene& scene, co
   return find_number(scene, name).get;
 }
 
-double design_number(const BodyScene& scene, const std::string& name) { return find_number(scene, name).get(scene); }
+double design_number(const BodyScene& scene, const std::string& name) { return design_getter(scene, name)(scene); }
 
 void set_design_number(BodyScene& scene, const std::string& name, double value) {
   find_number(scene, name).set(scene, value);

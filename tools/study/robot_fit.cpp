@@ -1,5 +1,4 @@
 // Fits of driven robots, and predictions with their uncertainty.
-
 #include <algorithm>
 #include <cmath>
 

@@ -3,13 +3,13 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <memory>
 
 #include "common/error.hpp"
 #include "common/files.hpp"
+#include "common/text.hpp"
 #include "landing/plan/design_numbers.hpp"
 #include "landing/plan/trade_journal.hpp"
 #include "tools/program/arguments.hpp"
@@ -70,9 +70,8 @@ FrontArguments front_of(const std::string& text) {
     throw InputError(option + ": " + quoted(text) + ": A,B or A,B:N is needed, names of loads");
   FrontArguments out{text.substr(0, comma), text.substr(comma + 1, colon - comma - 1)};
   if (colon == std::string::npos) return out;
-  const std::string count = text.substr(colon + 1);
-  const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), out.count);
-  if (error != std::errc() || end != count.data() + count.size() || out.count < 2 || out.count > 1000)
+  out.count = parsed_number<std::size_t>(text.substr(colon + 1)).value_or(0);
+  if (out.count < 2 || out.count > 1000)
     throw InputError(option + ": " + quoted(text) + ": a whole number N of designs from 2 to 1000 is needed");
   return out;
 }
