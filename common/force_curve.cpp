@@ -90,16 +90,13 @@ void ForceCurve::add(std::size_t interval, double t, const Cubic& smooth) {
 /// Appends the interval before a pulse, or after it. The pulse begins or ends `crossing` [s] from its sample there,
 /// where `end`, its curve with u from that sample, crosses rest; a straight line joins that to the sample next to it.
 void ForceCurve::add_onset(std::size_t interval, const Cubic& end, double crossing, bool before) {
-  const double rest = samples_.rest, t = samples_.t[interval + (before ? 1 : 0)] + crossing;
-  if (before) {
-    const double f = samples_.force[interval], length = t - samples_.t[interval];
-    add(interval, samples_.t[interval], {f, length > 0 ? (rest - f) / length : 0, 0, 0});
-    add(interval, t, shifted(end, crossing));
-  } else {
-    const double f = samples_.force[interval + 1], length = samples_.t[interval + 1] - t;
-    add(interval, samples_.t[interval], end);
-    add(interval, t, {rest, length > 0 ? (f - rest) / length : 0, 0, 0});
-  }
+  const auto &t = samples_.t, &f = samples_.force;
+  const double at = t[interval + (before ? 1 : 0)] + crossing;
+  const auto line = [](double from, double to, double length) {
+    return Cubic{from, length > 0 ? (to - from) / length : 0, 0, 0};
+  };
+  add(interval, t[interval], before ? line(f[interval], samples_.rest, at - t[interval]) : end);
+  add(interval, at, before ? shifted(end, crossing) : line(samples_.rest, f[interval + 1], t[interval + 1] - at));
 }
 
 /// Whether no interval between these samples is much shorter or longer than their median: else a spline may overshoot.

@@ -146,6 +146,16 @@ bool states_errors(const FitMinimum& minimum) {
                      [&](const RigTerm& t) { return largest_error(t, minimum) > 0; });
 }
 
+MatrixXd effect_of(const Sensitivity& s, int column, Scope scope, const std::function<double(std::size_t trial)>& std) {
+  const int F = s.parameters();
+  MatrixXd out = MatrixXd::Zero(F, s.trials());
+  for (std::size_t p = 0; p < s.parts.size(); ++p) {
+    const std::size_t m = p / std::size_t(s.parts_per_trial);
+    out.col(long(m)) += std(m) * s.parts[p].block(0, column, F, 1);
+  }
+  return scope == Scope::kShared ? MatrixXd(out.rowwise().sum()) : out;
+}
+
 Considered considered(const Sensitivity& s, const ScaledSolver& solve, const std::string& name, double std,
                       const MatrixXd& effect, std::size_t fitted) {
   const MatrixXd shift = -solve(effect);
@@ -156,16 +166,11 @@ Considered considered(const Sensitivity& s, const ScaledSolver& solve, const std
 
 std::vector<Considered> considered_of(const FitMinimum& minimum, const Sensitivity& s) {
   const ScaledSolver solve(s.information);
-  const int F = s.parameters(), M = s.trials();
+  const int F = s.parameters();
   std::vector<Considered> out;
   const auto add = [&](const RigTerm& t, int column) {
     if (!(largest_error(t, minimum) > 0)) return;
-    MatrixXd effect = MatrixXd::Zero(F, M);  // a column for each trial, by its own rig's error
-    for (std::size_t p = 0; p < s.parts.size(); ++p) {
-      const std::size_t m = p / std::size_t(s.parts_per_trial);
-      effect.col(long(m)) += stated_error(minimum, m, t) * s.parts[p].block(0, column, F, 1);
-    }
-    if (t.scope == Scope::kShared) effect = effect.rowwise().sum().eval();
+    const MatrixXd effect = effect_of(s, column, t.scope, [&](std::size_t m) { return stated_error(minimum, m, t); });
     out.push_back(
         considered(s, solve, t.error->key, minimum.rig.errors.*t.error->at, effect, minimum.point.globals.size()));
   };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -64,8 +65,12 @@ struct FitMinimum {
 [[nodiscard]] bool states_errors(const FitMinimum& minimum);
 /// The terms of stated error, with their effect on the fitted parameters.
 [[nodiscard]] std::vector<Considered> considered_of(const FitMinimum& minimum, const Sensitivity& sensitivity);
-/// The effect of a term of standard deviation `std` on the fitted parameters, from std J' W j, a column for each
-/// independent draw of it. `solve`: of the sensitivity's information; `fitted`: number of Estimates::fitted.
+/// std J' W j of the further term in a column of the sensitivity: a column for each trial, std(m) of its own; of a term
+/// that all share their sum.
+[[nodiscard]] Eigen::MatrixXd effect_of(const Sensitivity& sensitivity, int column, Scope scope,
+                                        const std::function<double(std::size_t trial)>& std);
+/// The effect of a term of standard deviation `std` on the fitted parameters, from its effect_of. `solve`: of the
+/// sensitivity's information; `fitted`: number of Estimates::fitted.
 [[nodiscard]] Considered considered(const Sensitivity& sensitivity, const ScaledSolver& solve, const std::string& name,
                                     double std, const Eigen::MatrixXd& effect, std::size_t fitted);
 

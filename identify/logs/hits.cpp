@@ -30,6 +30,25 @@ double mean(const std::vector<double>& x, std::size_t count) {
   return sum / double(count);
 }
 
+/// Sum of the squared distances of the first samples from a level.
+double squares(const std::vector<double>& x, std::size_t count, double level) {
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += (x[i] - level) * (x[i] - level);
+  return sum;
+}
+
+/// The samples of a force outside of hits.
+std::vector<double> between(const std::vector<double>& force, const std::vector<LoggedHit>& hits) {
+  std::vector<double> out;
+  auto next = force.begin();
+  for (const LoggedHit& h : hits) {
+    out.insert(out.end(), next, force.begin() + long(h.first));
+    next = force.begin() + long(h.last) + 1;
+  }
+  out.insert(out.end(), next, force.end());
+  return out;
+}
+
 const std::vector<double>& force_times(const Trial& trial) { return trial.force_t.empty() ? trial.t : trial.force_t; }
 
 }  // namespace
@@ -60,8 +79,8 @@ double force_noise_before_first_hit(const Trial& trial) {
   const std::size_t n = samples_at_rest(trial.force);
   if (n < kMinSamples) return 0;
   const double level = mean(trial.force, n);
-  double square = 0, steps = 0;
-  for (std::size_t i = 0; i < n; ++i) square += (trial.force[i] - level) * (trial.force[i] - level);
+  const double square = squares(trial.force, n, level);
+  double steps = 0;
   for (std::size_t i = 1; i < n; ++i) steps += std::pow(trial.force[i] - trial.force[i - 1], 2);
   // A step of white noise has twice its variance; of a smoothly rising force much less.
   return steps > 0.5 * square ? std::sqrt(square / double(n - 1)) : 0;
@@ -76,24 +95,18 @@ void flatten_force_between_hits(Trial& trial, std::optional<double> noise) {
   // The samples before the first hit locate the hits; all samples between hits then give noise and rest better.
   constexpr double kMaxRatio = 2;  // of what is removed, over the noise before the first hit
   const double max_noise = kMaxRatio * sigma;
-  std::vector<double> between;
+  std::size_t at_rest = 0;
   for (int pass = 0; pass < 3; ++pass) {
-    between.clear();
-    std::size_t next = 0;
-    const auto add_until = [&](std::size_t end) {
-      between.insert(between.end(), trial.force.begin() + long(next), trial.force.begin() + long(end));
-    };
-    for (const LoggedHit& h : hits(trial, sigma, rest)) add_until(h.first), next = h.last + 1;
-    add_until(trial.force.size());
-    if (between.empty()) break;
-    rest = mean(between, between.size());
-    double square = 0;
-    for (const double f : between) square += (f - rest) * (f - rest);
-    if (square > max_noise * max_noise * double(between.size())) return;
-    if (!noise && square > 0) sigma = std::sqrt(square / double(between.size()));
+    const std::vector<double> resting = between(trial.force, hits(trial, sigma, rest));
+    at_rest = resting.size();
+    if (at_rest == 0) break;
+    rest = mean(resting, at_rest);
+    const double square = squares(resting, at_rest, rest);
+    if (square > max_noise * max_noise * double(at_rest)) return;
+    if (!noise && square > 0) sigma = std::sqrt(square / double(at_rest));
   }
   const std::vector<LoggedHit> found = hits(trial, sigma, rest);
-  if (std::abs(rest) <= 4 * sigma / std::sqrt(double(between.size()))) rest = 0;
+  if (std::abs(rest) <= 4 * sigma / std::sqrt(double(at_rest))) rest = 0;
   std::vector<double> flattened(trial.force.size(), rest);
   for (const LoggedHit& h : found)
     std::copy(trial.force.begin() + long(h.first), trial.force.begin() + long(h.last) + 1,

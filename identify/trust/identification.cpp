@@ -266,18 +266,31 @@ void distrust_by_minima(const Experiment& e, Fit& fit) {
   }
 }
 
-/// Refits with a smooth force between the samples where the residuals suggest it; where these are then smaller,
-/// replaces the fit and returns the trials with that force.
-std::optional<std::vector<Trial>> try_smooth_force(const Experiment& e, Identification& out) {
-  if (!suggest_smooth_force(out.trust->tests, e.trials)) return std::nullopt;
-  std::vector<Trial> smooth = e.trials;
-  for (Trial& t : smooth) t.force_smooth = 1;
-  Fit smooth_fit = refit(e.rig, smooth, out.fit.sea, e.options);
-  if (!(smooth_fit.converged && deviance(smooth_fit, smooth, e.options) < deviance(out.fit, e.trials, e.options)))
+/// What is found by a further fit, tested: its starts add to those before, whose minima are reported.
+Identification continued(const Experiment& e, Fit further, const Identification& before) {
+  further.starts += before.fit.starts;
+  if (!before.fit.minima.empty()) further.minima = before.fit.minima;
+  Identification out{std::move(further), before.held, before.stated, before.feedback, before.force_smooth, {}};
+  if (!out.fit.fitted.empty()) out.trust = test_fit(e, out.fit);
+  return out;
+}
+
+/// The trials with a smooth force between their samples, and what is found with them.
+struct SmoothForce {
+  std::vector<Trial> trials;
+  Identification found;
+};
+/// None where the residuals do not suggest it, or the fit with it is no likelier.
+std::optional<SmoothForce> try_smooth_force(const Experiment& e, const Identification& linear) {
+  if (!suggest_smooth_force(linear.trust->tests, e.trials)) return std::nullopt;
+  SmoothForce out{e.trials, {}};
+  for (Trial& t : out.trials) t.force_smooth = 1;
+  Fit fit = refit(e.rig, out.trials, linear.fit.sea, e.options);
+  if (!(fit.converged && deviance(fit, out.trials, e.options) < deviance(linear.fit, e.trials, e.options)))
     return std::nullopt;
-  replace(std::move(smooth_fit), out.fit), out.force_smooth = 1;
-  out.trust = test_fit({e.rig, smooth, e.options}, out.fit);
-  return smooth;
+  out.found = continued({e.rig, out.trials, e.options}, std::move(fit), linear);
+  out.found.force_smooth = 1;
+  return out;
 }
 
 /// Of the terms whose absence the tests reject, and which they find within what the rig states of their error, the one
@@ -294,27 +307,28 @@ const ScoreTest* missing_stated(const ResidualTests& tests, const Terms<RigTerm>
   return best;
 }
 
-/// Where the residuals ask for terms whose errors the rig states, fits these along, the stated errors as priors, if
-/// with them the model explains the logs.
-void fit_stated_errors(Experiment& e, Identification& out) {
-  Experiment with = e;
-  Identification attempt = out;
-  while (attempt.fit.converged && !attempt.fit.interrupted && attempt.trust->tests.model_rejected()) {
-    const ScoreTest* missing = missing_stated(attempt.trust->tests, with.options.terms, attempt.fit);
-    if (!missing) return;
-    with.options.terms.nuisance.push_back(missing->term), attempt.stated.push_back(missing->term);
-    replace(refit(with.rig, with.trials, attempt.fit.sea, with.options), attempt.fit);
-    if (attempt.fit.fitted.empty()) return;
-    attempt.trust = test_fit(with, attempt.fit);
+/// What is found with the terms along whose errors the rig states and for which the residuals ask, the stated errors as
+/// priors; none unless that explains the logs, and they were not explained before.
+std::optional<Identification> with_stated_errors(Experiment e, const Identification& without) {
+  std::optional<Identification> out;
+  const auto last = [&]() -> const Identification& { return out ? *out : without; };
+  while (last().fit.converged && !last().fit.interrupted && last().trust->tests.model_rejected()) {
+    const ScoreTest* missing = missing_stated(last().trust->tests, e.options.terms, last().fit);
+    if (!missing) return std::nullopt;
+    const std::string term = missing->term;
+    e.options.terms.nuisance.push_back(term);
+    out = continued(e, refit(e.rig, e.trials, last().fit.sea, e.options), last());
+    out->stated.push_back(term);
   }
-  if (attempt.stated.empty() || !attempt.fit.converged || attempt.fit.interrupted) return;
-  out = std::move(attempt), e.options = with.options;
-  out.fit.warnings.push_back(fmt::format(
-      "fitted along, within the errors that the rig states: {}: the logs ask for that", fmt::join(out.stated, ", ")));
+  if (!out || !out->fit.converged || out->fit.interrupted) return std::nullopt;
+  out->fit.warnings.push_back(fmt::format(
+      "fitted along, within the errors that the rig states: {}: the logs ask for that", fmt::join(out->stated, ", ")));
+  return out;
 }
 
-/// Adds the warnings of the searches before the fit of `fitted`, and the requested refits.
-void finish(const Experiment& fitted, const SecondSearch& second, const TrustOptions& options, Identification& out) {
+/// Adds the warnings of the searches before the last fit, of `fitted`, and the requested refits.
+void finish(Experiment fitted, const SecondSearch& second, const TrustOptions& options, Identification& out) {
+  for (const std::string& term : out.stated) fitted.options.terms.nuisance.push_back(term);
   if (!second.better.empty()) out.fit.warnings.push_back(second.better);
   if (!second.failed.empty() && doubtful(out)) out.fit.warnings.push_back(second.failed);
   distrust_by_minima(fitted, out.fit);
@@ -335,20 +349,19 @@ Identification identify(const Experiment& experiment, const std::optional<SeaPar
   out.force_smooth = trials.front().force_smooth;
   out.trust = test_fit(reduced, out.fit);
   const SecondSearch second = search_again(reduced, start, base, out);
-  std::optional<std::vector<Trial>> smooth;
-  Identification linear = out;
+  std::optional<SmoothForce> smooth;
   if (options.force == TrustOptions::Force::kByResiduals) smooth = try_smooth_force(reduced, out);
-  if (smooth) {
-    Experiment smoothed{experiment.rig, *smooth, reduced.options};
-    fit_stated_errors(smoothed, out);
-    // An error of the rig may look like a smooth force.
-    if (out.trust->tests.model_rejected()) fit_stated_errors(reduced, linear);
-    if (linear.stated.empty()) return finish(smoothed, second, options, out), out;
-    out = std::move(linear);
-  } else {
-    fit_stated_errors(reduced, out);
-  }
-  finish(reduced, second, options, out);
+  std::optional<Identification> explained;
+  if (smooth) explained = with_stated_errors({experiment.rig, smooth->trials, reduced.options}, smooth->found);
+  // An error of the rig may look like a smooth force.
+  if (!smooth || (!explained && smooth->found.trust->tests.model_rejected()))
+    explained = with_stated_errors(reduced, out);
+  if (explained)
+    out = std::move(*explained);
+  else if (smooth)
+    out = std::move(smooth->found);
+  finish({experiment.rig, smooth && out.force_smooth > 0 ? smooth->trials : trials, reduced.options}, second, options,
+         out);
   return out;
 }
 

@@ -155,14 +155,11 @@ std::vector<identify::Considered> considered_of(const DropSimulator& simulator, 
   std::vector<identify::Considered> out;
   if (!s) return out;
   const identify::ScaledSolver solve(s->information);
-  const int free = s->parameters();
-  int shared = free, own = free + int(s->shared.size());  // columns of the next terms
+  int shared = s->parameters(), own = shared + int(s->shared.size());  // columns of the next terms
   for (const auto& [name, std] : errors) {
-    const bool each = options.terms[name].scope == identify::Scope::kEach;
-    const int column = each ? own++ : shared++;
-    Eigen::MatrixXd effect = Eigen::MatrixXd::Zero(free, each ? s->trials() : 1);
-    for (std::size_t p = 0; p < s->parts.size(); ++p)
-      effect.col(each ? long(p) / s->parts_per_trial : 0) += std * s->parts[p].block(0, column, free, 1);
+    const identify::Scope scope = options.terms[name].scope;
+    const int column = scope == identify::Scope::kEach ? own++ : shared++;
+    const Eigen::MatrixXd effect = identify::effect_of(*s, column, scope, [std = std](std::size_t) { return std; });
     out.push_back(identify::considered(*s, solve, name, std, effect, c.fitted.size()));
   }
   return out;
