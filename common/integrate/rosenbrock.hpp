@@ -8,8 +8,9 @@
 // The Jacobian is exact: the system offers `linearize`, by Jets. Tests: test/convergence/order.cpp.
 #pragma once
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
+#include "common/integrate/dense_lu.hpp"
 #include "common/integrate/runge_kutta.hpp"
 
 namespace ukemi::integrate {
@@ -77,7 +78,7 @@ class RosenbrockStages {
     const double h = e.h, pivot = 1 / (h * Tableau::gamma);
     Block w = -jacobian_.template topLeftCorner<n, n>();
     w.diagonal().array() += pivot;
-    lu_.compute(w);
+    lu_.compute(w.data(), n);
     State arg;
     for (int i = 0; i < Tableau::kStages; ++i) {
       arg = e.y;
@@ -89,7 +90,8 @@ class RosenbrockStages {
       State slope = e.slope;
       if (i > 0) f(e.t + Tableau::c[i] * h, arg, slope);
       rhs += slope;
-      u_[i].template head<n>() = lu_.solve(rhs.template head<n>());
+      u_[i].template head<n>() = rhs.template head<n>();
+      lu_.solve(u_[i].data());
       if constexpr (n < N)
         u_[i].template tail<N - n>() =
             (rhs.template tail<N - n>() + jacobian_.template bottomLeftCorner<N - n, n>() * u_[i].template head<n>()) /
@@ -134,7 +136,7 @@ class RosenbrockStages {
   State rate_, jacobian_y_;
   double jacobian_t_ = std::numeric_limits<double>::quiet_NaN();
   using Block = Eigen::Matrix<double, kCoupled, kCoupled>;
-  Eigen::PartialPivLU<Block> lu_;
+  DenseLu lu_;
   std::array<State, Tableau::kStages> u_;
   std::array<State, Tableau::kDenseTerms> dense_;
   State direction_ = State::Constant(1);

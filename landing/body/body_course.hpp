@@ -32,9 +32,11 @@ class BodyCourse {
              T(scene.drop.vertical_speed)},
         scene_(scene) {
     if (!scene.floor) system.body.contacts = 0;
+    system.shaped = kDerivatives<T> > 0;  // derivatives by a shape term of 0
     for (int i = 0; i < joints(); ++i) {
       const Motion& m = motions[std::size_t(system.body.joint[i].joint)];
       motion[i] = m.cast<T>();
+      system.shaped = system.shaped || has_bumps(m);
       if (value_of(system.drive[i].sea.tau_max) == 0) system.joint[i].saturation = 1;  // one branch, never left
       reposition_deadline_[i] = driven(i) && m.reposition ? m.reposition->from : kNever;
       motion_end_[i] = kNever;

@@ -92,7 +92,7 @@ class BodyFriction {
   }
   template <class Time, class State>
   void settle(const Time& t, State& y) {
-    settle_with([&](const State& at) { return system().holds(t, at); }, y);
+    if constexpr (!System::kPlain) settle_with([&](const State& at) { return system().holds(t, at); }, y);
   }
   /// Stuck places that friction cannot hold start to slip, the most overloaded first; the others get a rate of 0.
   template <class State, class HoldsOf>
@@ -115,7 +115,7 @@ class BodyFriction {
   }
   template <class Time, class State>
   void hold_or_slip(const Time& t, State& y) {
-    hold_or_slip_with([&](const State& at) { return system().holds(t, at); }, y);
+    if constexpr (!System::kPlain) hold_or_slip_with([&](const State& at) { return system().holds(t, at); }, y);
   }
   /// Every place with friction sticks that friction can hold.
   template <class Time, class State>

@@ -1,15 +1,19 @@
-// Compiled once for each kernel, UKEMI_KERNEL (see CMakeLists.txt).
+// Compiled once for each kernel of peaks, UKEMI_KERNEL (see CMakeLists.txt).
 #include "landing/body/body_kernel.hpp"
 
-#include "common/integrate/tableaus.hpp"
+#include "common/integrate/automatic.hpp"
 #include "landing/body/body_follow.hpp"
 
 namespace ukemi::landing {
 
 template <Capacity kSize>
 BodyLanding peak_in_kernel(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options) {
+  using integrate::Automatic, integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   BodyLanding out;
-  BodyFollower<integrate::DormandPrince54, kSize, false>(scene, motion, options, out, 0).follow();
+  if (options.accuracy >= kLowOrder)
+    BodyFollower<Automatic<DormandPrince54, Rodas5P>, kSize, false>(scene, motion, options, out, 0).follow();
+  else
+    BodyFollower<Automatic<DormandPrince853, Rodas5P>, kSize, false>(scene, motion, options, out, 0).follow();
   return out;
 }
 template BodyLanding peak_in_kernel<UKEMI_KERNEL>(const BodyScene&, const BodyMotion&, const SimulateOptions&);

@@ -105,6 +105,70 @@ double softest_frequency(const System& s) {
   return std::max(kPendulumFrequency, std::sqrt(1 / (s.body.mass * compliance)));
 }
 
+/// Energy that generalised forces Q out of balance release, 1/2 Q . K^-1 Q, with K the symmetric part of -dQ/dq at zero
+/// rates. Nothing where forces follow more than positions (dry friction, sliding contacts), or where K does not hold
+/// the robot: it is not positive definite. `still`: a state at zero rates.
+template <class System>
+std::optional<double> restoring_energy(const System& s, double t, const typename System::State& still) {
+  constexpr double kStep = 1e-7;  // of a difference [m], [rad]
+  constexpr std::size_t n = System::kPositions;
+  using Forces = std::array<double, n>;
+  if (s.has_friction) return std::nullopt;
+  for (int i = 0; i < s.body.contacts; ++i)
+    if (s.contact[i].slides != 0) return std::nullopt;
+  const int bodies = s.body.bodies;
+  const bool rail = s.body.base == Base::kRail;
+  // Coordinates that count; the common sliding of a free robot is left out.
+  const auto counts = [&](int i) {
+    if (i == System::kX) return rail;
+    if (i == System::kY) return s.is_free();
+    if (i < System::kPhiM) return i < System::kTheta + bodies && !(i == System::kTheta && s.body.first_fixed);
+    return i - System::kPhiM < s.body.joints && s.kind(i - System::kPhiM) == DriveKind::kElastic;
+  };
+  std::array<double, System::kB + 1> unused{};
+  const MassMatrix<double, System::kSize> mass(s.body, s.pose(still), unused);
+  const auto forces = [&](const typename System::State& y) {  // M ddq; at rest Q is small, and so is what M changes
+    const auto dy = s.derivative(t, y);
+    Forces out{};
+    const auto add = [&](int i, int k, double m) {
+      out[std::size_t(i)] += m * dy[k + System::kPositions];
+      if (i != k) out[std::size_t(k)] += m * dy[i + System::kPositions];
+    };
+    for (int j = 0; j < bodies; ++j)
+      for (int k = 0; k <= j; ++k) add(System::kTheta + j, System::kTheta + k, mass.m[std::size_t(j)][std::size_t(k)]);
+    if (s.is_free()) add(System::kY, System::kY, s.body.mass);
+    for (int j = 0; rail && j <= bodies; ++j)
+      add(System::kX, j < bodies ? System::kTheta + j : System::kX, mass.m[std::size_t(bodies)][std::size_t(j)]);
+    for (int i = 0; i < s.body.joints; ++i)
+      add(System::kPhiM + i, System::kPhiM + i, s.drive[std::size_t(i)].sea.i_motor);
+    return out;
+  };
+  Forces q = forces(still);
+  Symmetric<double, int(n)> stiffness;
+  for (int j = 0; j < int(n); ++j) {
+    if (!counts(j)) {
+      stiffness.m[std::size_t(j)][std::size_t(j)] = 1, q[std::size_t(j)] = 0;
+      continue;
+    }
+    auto moved = still;
+    moved[j] += kStep;
+    const Forces there = forces(moved);
+    for (int i = 0; i < int(n); ++i)
+      if (counts(i))
+        stiffness.m[std::size_t(std::max(i, j))][std::size_t(std::min(i, j))] +=
+            (i == j ? 1 : 0.5) * (q[std::size_t(i)] - there[std::size_t(i)]) / kStep;
+  }
+  stiffness.factor(int(n));
+  Forces moved = q;
+  stiffness.solve(int(n), moved);
+  double out = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!(stiffness.m[i][i] > 0)) return std::nullopt;
+    out += 0.5 * q[i] * moved[i];
+  }
+  return out;
+}
+
 inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
 /// Whether the run may end in the state y by the rule above, E being at most `limit`; never if that is below 0.
@@ -140,7 +204,8 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
     double out = kinetic_energy(s.body, p);
     for (int i = 0; i < s.body.joints; ++i)
       out += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
-    return out / (frequency * frequency);
+    return std::min(out / (frequency * frequency),
+                    restoring_energy(at_standstill, t, still).value_or(std::numeric_limits<double>::infinity()));
   };
   energy += unbalanced_energy();
   if constexpr (System::kWork > System::kLag)  // torques still on their way in late drives

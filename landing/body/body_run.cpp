@@ -1,8 +1,9 @@
 #include "landing/body/body_run.hpp"
 
 #include "common/csv.hpp"
-#include "common/integrate/tableaus.hpp"
-#include "landing/body/body_follow.hpp"
+#include "common/error.hpp"
+#include "landing/body/body_kernel.hpp"
+#include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
 
@@ -12,10 +13,8 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   if (!(rate >= 0 && rate * scene.t_end.value_or(kMaxDuration) <= kMaxRows))
     throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows in the " +
                      shortest(scene.t_end.value_or(kMaxDuration)) + " s that a run may last; [run] t_end bounds it");
-  BodyLanding out;
-  in_kernel<kLate, kAny>(scene.robot, [&]<Capacity kSize>() {
-    BodyFollower<integrate::DormandPrince853, kSize, true>(scene, motion, options, out, rate).follow();
-  });
+  BodyLanding out = in_kernel<kPair, kTriple, kMiddle, kLate, kAny>(
+      scene.robot, [&]<Capacity kSize>() { return report_in_kernel<kSize>(scene, motion, options, rate); });
   if (out.end != End::kFailed && out.end != End::kBroken &&
       !(out.energy_residual <= energy_tolerance(options.accuracy)))
     out.end = End::kFailed, out.failure = Failure::kUnbalanced;

@@ -27,22 +27,26 @@ struct BodyModeOf {
   using type = BodyMode<kSize>;
 };
 
-template <Capacity kSize, bool kAccounts = false, Scalar T = double>
-class BodySystem : public BodyModeOf<kSize, T>::type,
-                   public BodyFriction<BodySystem<kSize, kAccounts, T>, kSize.joints, T> {
+template <Capacity kCapacity, bool kAccounts = false, Scalar T = double>
+class BodySystem : public BodyModeOf<kCapacity, T>::type,
+                   public BodyFriction<BodySystem<kCapacity, kAccounts, T>, kCapacity.joints, T> {
  public:
+  static constexpr Capacity kSize = kCapacity;
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
+  static constexpr bool kPlain = kSize.plain;  ///< only robots of is_plain
+  static constexpr int kSlips = kPlain ? 0 : kC;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
   enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
-  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kC };
+  enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kSlips };
   static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
   /// Guards of each contact, of each joint, and, if there is dry friction (`guards_used`), of each place of it.
-  enum { kSurface, kPadForce, kBottom, kFloorForce, kSlideUp, kSlideDown, kGuardsPerContact };
+  enum { kSurface, kFloorForce, kPadForce, kBottom, kSlideUp, kSlideDown, kGuardsPerContact = kPlain ? kPadForce : 6 };
   enum { kUpper, kLower, kGuardsPerJoint };
   using Friction = BodyFriction<BodySystem, kJ, T>;
   static constexpr int kJointGuards = kGuardsPerContact * kC, kFrictionGuards = kJointGuards + kGuardsPerJoint * kJ,
-                       kGuards = kFrictionGuards + Friction::kGuardsPerPlace * Friction::kPlaces, kControlled = kWork;
+                       kGuards = kFrictionGuards + (kPlain ? 0 : Friction::kGuardsPerPlace * Friction::kPlaces),
+                       kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
   using Accelerations = TreeAccelerations<T, kB>;
@@ -94,7 +98,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   /// Copies everything that is not a number of T.
   template <bool kOther, class U>
   void copy_structure(const BodySystem<kSize, kOther, U>& o) {
-    links = o.links, has_friction = o.has_friction, rail_has_friction = o.rail_has_friction,
+    links = o.links, has_friction = o.has_friction, rail_has_friction = o.rail_has_friction, shaped = o.shaped;
     body.copy_structure(o.body);
     for (std::size_t i = 0; i < point.size(); ++i) point[i].copy_structure(o.point[i]);
     for (std::size_t i = 0; i < drive.size(); ++i) drive[i].copy_structure(o.drive[i]);
@@ -141,11 +145,12 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   std::array<ContactConstants<T>, kC> point{};
   std::array<JointConstants<T>, kJ> drive{};
   std::array<ReferencePiece<T>, kJ> piece{};
+  bool shaped = true;  ///< a piece may have shape terms
 
   /// The sines and cosines of the last angles are cached: field, guards and peak use the same state.
   Pose pose(const State& y) const {
     Pose p;
-    if (body.base == Base::kFree) {
+    if (is_free()) {
       p.x = y[kX], p.y = y[kY], p.vx = y[kVx], p.vy = y[kVy];
     } else {  // s is the first component
       const T &ex = body.rail[0], &ey = body.rail[1];
@@ -157,12 +162,22 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     return p;
   }
 
+  bool is_free() const { return kPlain || body.base == Base::kFree; }
+  /// The kind of a moving joint, and whether its drive has terms beyond Eq. 2-4.
+  DriveKind kind(int i) const { return kPlain ? DriveKind::kElastic : drive[i].kind; }
+  bool extended(int i) const { return !kPlain && drive[i].extended; }
+
+  /// The bodies of a moving joint; parent -1: the ground.
+  int child_of(int i) const { return kPlain ? i + 1 : body.joint[i].child; }
+  int parent_of(int i) const { return kPlain && i == 0 ? 0 : body.joint[i].parent; }
+
   /// Joint angle and rate, and those of the motor.
   SeaState<T> joint_state(int i, const State& y) const {
-    const TreeJoint& at = body.joint[i];
-    const T phi = y[kTheta + at.child] + T(at.offset), rate = y[kOmega + at.child];
-    if (at.parent < 0) return {phi, y[kPhiM + i], rate, y[kOmegaM + i]};
-    return {phi - y[kTheta + at.parent], y[kPhiM + i], rate - y[kOmega + at.parent], y[kOmegaM + i]};
+    const int child = child_of(i), parent = parent_of(i);
+    T phi = y[kTheta + child];
+    if constexpr (!kPlain) phi += T(body.joint[i].offset);
+    if (parent < 0) return {phi, y[kPhiM + i], y[kOmega + child], y[kOmegaM + i]};
+    return {phi - y[kTheta + parent], y[kPhiM + i], y[kOmega + child] - y[kOmega + parent], y[kOmegaM + i]};
   }
 
   template <class Time>
@@ -171,7 +186,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const auto& phase = joint[i].phase;
     const T constant = select(after(phase), r.b, r.a);
     if (!any(moving(phase))) return {constant, T(0)};
-    const Reference<T> played = r.at(T(t), true);
+    const Reference<T> played = r.at(T(t), shaped);
     return {select(moving(phase), played.phi, constant), masked(moving(phase), played.dphi)};
   }
 
@@ -184,7 +199,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const JointConstants<T>& d = drive[i];
     const SeaState<T> s = joint_state(i, y);
     return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
-      if (d.kind == DriveKind::kGeared) return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
+      if (kind(i) == DriveKind::kGeared)
+        return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
       return elastic_motor_torque(i, t, y, s, dy);
     });
   }
@@ -193,6 +209,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   std::array<T, kJ> torques(const Time& t, const State& y) const {
     std::array<T, kJ> out{};
     for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
+    if constexpr (kPlain) return out;
     if (!has_friction || !any(this->any_stuck())) return out;
     const PlaceHolds hold = holds(t, y);
     for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
@@ -216,8 +233,8 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   template <class Time>
   UKEMI_INLINE T requested_torque(int i, const Time& t, const SeaState<T>& s) const {
     const JointConstants<T>& d = drive[i];
-    return d.extended ? motor_torque<kSea>(d.sea, s, reference(i, t))
-                      : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
+    return extended(i) ? motor_torque<kSea>(d.sea, s, reference(i, t))
+                       : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
   }
   /// Sets the states of late drives as if the rates of y and the torque requested(i, state) had always been constant.
   template <class Requested>
@@ -238,10 +255,11 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   template <class Requested>
   UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Requested&& requested) const {
     const JointConstants<T>& d = drive[i];
-    T out = -d.parallel_stiffness * (s.phi - d.parallel_rest), tau(0);
-    if (d.kind == DriveKind::kElastic) {
-      tau = limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation);
-      if (d.extended) {
+    T out(0), tau(0);
+    if constexpr (!kPlain) out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
+    if (kind(i) == DriveKind::kElastic) {
+      tau = elastic_torque(i, s);
+      if (extended(i)) {
         out += output_torque<kSea>(d.sea, s.dphi, tau);
         if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, requested(), tau);
         if (motor && d.has_friction[kMotorSide])
@@ -251,15 +269,20 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
         if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, requested(), tau);
       }
       if (motor) *motor = *motor / d.sea.i_motor;
-    } else if (d.kind == DriveKind::kGeared) {
+    } else if (kind(i) == DriveKind::kGeared) {
       tau = requested();
       out += tau;
-      if (d.extended) out -= d.sea.viscous * s.dphi;
+      if (extended(i)) out -= d.sea.viscous * s.dphi;
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
-    if (d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
+    if (!kPlain && d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
     return out;
+  }
+  /// Torque of the spring of an elastic drive in its mode [Nm].
+  UKEMI_INLINE T elastic_torque(int i, const SeaState<T>& s) const {
+    constexpr SeaTerms kTerms = kPlain ? kPlainSea : kSea;
+    return limited_torque<kTerms>(drive[i].sea, spring_torque<kTerms>(drive[i].sea, s), joint[i].saturation);
   }
   template <class Time>
   T geared_torque(int i, const Time& t, const SeaState<T>& s) const {
@@ -280,7 +303,9 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     return out;
   }
   bool is_stop(int i) const { return i >= body.stops_begin; }
-  bool has_stops() const { return body.stops_end > body.stops_begin; }
+  bool has_stops() const { return !kPlain && body.stops_end > body.stops_begin; }
+  bool is_padded(int i) const { return !kPlain && point[i].padded; }
+  bool has_contact_friction(int i) const { return !kPlain && point[i].has_friction; }
   /// The remaining travel to an end of a stop, as a height.
   Point stop_at(int i, const Pose& p, const State& y, const Accelerations* acc = nullptr) const {
     const TreeStop<T>& s = body.stop[i];
@@ -313,7 +338,23 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   }
   /// K_t z + C_t v, -F_t of a contact that sticks [N].
   T sticking_force(int i, const State& y, const Point& at) const {
+    if constexpr (kPlain) return point[i].c_t * at.v_t;
     return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t;
+  }
+
+  /// F_n and -F_t of a contact in its mode [N].
+  UKEMI_INLINE T normal_at(int i, const Point& at) const {
+    if constexpr (kPlain)
+      return masked(contact[i].floor, floor_force(point[i], at.y, at.v, T(0)).value);
+    else
+      return normal_force(point[i], contact[i], at.y, at.v, T(0)).value;
+  }
+  UKEMI_INLINE T tangential_at(int i, const State& y, const Point& at, const T& normal) const {
+    const T sticking = sticking_force(i, y, at);
+    if constexpr (kPlain)
+      return sticking;
+    else
+      return tangential_force(point[i], contact[i], sticking, normal);
   }
 
   /// dz of a contact on which the tangential force -along acts.
@@ -341,16 +382,17 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const Pose p = pose(y);
     TreeLoads<T, kB> load;
     [[maybe_unused]] T power(0);  // on the links
-    for (int i = 0; i < kC; ++i) dy[kSlip + i] = T(0);
-    for (int i = 0; i < body.contacts; ++i) {
+    for (int i = 0; i < kSlips; ++i) dy[kSlip + i] = T(0);
+    for (int i = 0; i < kC; ++i) {
+      if (i >= body.contacts) break;
       const auto& m = contact[i];
       if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
-      const T normal = normal_force(point[i], m, at.y, at.v, T(0)).value,
-              along = masked(m.touching, tangential_force(point[i], m, sticking_force(i, y, at), normal));
+      const T normal = normal_at(i, at), along = masked(m.touching, tangential_at(i, y, at, normal));
       load.add(body.contact[i], p, body.bodies, -along, normal);
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
-      if (point[i].has_friction || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
+      if constexpr (!kPlain)
+        if (point[i].has_friction || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
     if (has_stops()) [[unlikely]]
       add_stop_forces(p, y, load, power);
@@ -360,16 +402,16 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       T motor(0);
       const T tau = torque_of(i, &motor);
       if constexpr (kAccounts) power += tau * joint_state(i, y).dphi;
-      load.torque[body.joint[i].child] += tau;
-      if (body.joint[i].parent >= 0) load.torque[body.joint[i].parent] -= tau;
+      load.torque[child_of(i)] += tau;
+      if (parent_of(i) >= 0) load.torque[parent_of(i)] -= tau;
       dy[kOmegaM + i] = motor;
     }
     T along_rail(0);
-    const Accelerations acc = has_friction && !stick ? accelerations_with_sticking(p, load, y, along_rail)
-                                                     : accelerations(p, load, y, along_rail, stick);
+    const Accelerations acc = !kPlain && has_friction && !stick ? accelerations_with_sticking(p, load, y, along_rail)
+                                                                : accelerations(p, load, y, along_rail, stick);
     if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
-    if (body.base == Base::kFree)
+    if (is_free())
       dy[kVx] = acc.x, dy[kVy] = acc.y;
     else
       dy[kVx] = acc.x * body.rail[0] + acc.y * body.rail[1], dy[kVy] = T(0);
@@ -384,6 +426,28 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     derivative(t, y, dy);
     return dy;
   }
+  /// d(dy/dt)/dy and d(dy/dt)/dt of the present mode, by differences.
+  template <class Matrix>
+  void linearize(double t, const State& y, Matrix& jacobian, State& rate) const {
+    constexpr double kShare = 1e-7, kTimeStep = 1e-7;  // of a component's unit; [s]
+    State at = y, up, down;
+    jacobian.setZero();
+    for (int i = 0; i < kStates; ++i) {
+      if (!is_used(i)) continue;
+      const double h = kShare * std::max(tolerance_unit(i), std::abs(y[i]));
+      at[i] = y[i] + h, derivative(t, at, up);
+      at[i] = y[i] - h, derivative(t, at, down);
+      at[i] = y[i];
+      jacobian.col(i) = (up - down) / (2 * h);
+    }
+    derivative(t, y, down), derivative(t + kTimeStep, y, up);
+    rate = (up - down) / kTimeStep;
+  }
+  /// Whether the robot has component i of the state.
+  bool is_used(int i) const {
+    const int k = i < kVx ? i : i - kPositions;  // of a position or its rate
+    return i >= kSlip || k < kTheta + body.bodies || (k >= kPhiM && k < kPhiM + body.joints);
+  }
   /// Accelerations with the sticking constraints of the mode.
   [[gnu::noinline]] Accelerations accelerations_with_sticking(const Pose& p, const TreeLoads<T, kB>& load,
                                                               const State& y, T& along_rail) const {
@@ -394,7 +458,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   /// F = -(F_c + mu |N|) sgn v. N, the force across the rail, depends on F: both are solved for.
   Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail,
                               StickConstraints<T, kSize>* stick = nullptr) const {
-    if (body.base != Base::kRail) return solve(body, p, load, gravity, T(0), stick);
+    if (kPlain || body.base != Base::kRail) return solve(body, p, load, gravity, T(0), stick);
     along_rail = -rail_viscous * y[kVx];
     if (!rail_has_friction) return solve(body, p, load, gravity, along_rail, stick);
     const T sign = direction_of<T>(rail_slip);
@@ -421,7 +485,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   Accelerations accelerations_of(const State& dy) const {
     Accelerations out;
     for (int j = 0; j < body.bodies; ++j) out.alpha[j] = dy[kOmega + j];
-    if (body.base == Base::kFree)
+    if (is_free())
       out.x = dy[kVx], out.y = dy[kVy];
     else
       out.x = dy[kVx] * body.rail[0], out.y = dy[kVx] * body.rail[1];
@@ -449,14 +513,16 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     const Accelerations acc = accelerations_of(dy);
     contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
-    if (has_friction) [[unlikely]]
-      this->friction_guards(kFrictionGuards, t, y, dy, out);
+    if constexpr (!kPlain)
+      if (has_friction) [[unlikely]]
+        this->friction_guards(kFrictionGuards, t, y, dy, out);
   }
   int guards_used() const { return has_friction ? kGuards : kFrictionGuards; }
   template <class G>
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
-    for (int i = 0; i < body.contacts; ++i) {
+    for (int i = 0; i < kC; ++i) {
+      if (i >= body.contacts) break;
       if constexpr (!kIsPack<T>)
         if (!contact[i].touching) {  // its guard needs no acceleration
           surface_guard(i, point_at(i, p), out);
@@ -492,12 +558,14 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
     surface_guard(i, at, out);
     const auto touching = m.touching;
     if (!any(touching)) return;
-    const WithRate<T> pad = pad_force(x, at.y, at.v, at.a), floor = floor_force(x, at.y, at.v, at.a);
-    if (x.padded) {
+    const WithRate<T> floor = floor_force(x, at.y, at.v, at.a);
+    if (is_padded(i)) {
+      const WithRate<T> pad = pad_force(x, at.y, at.v, at.a);
       set(kPadForce, m.pad, pad.value, pad.rate, touching);
       set(kBottom, !m.below, at.y, at.v, touching);
     }
     if (!(x.hunt_crossley && !any(x.dissipation != T(0)))) set(kFloorForce, m.floor, floor.value, floor.rate, m.below);
+    if constexpr (kPlain) return;
     if (!x.has_friction) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
     const T f = sticking_force(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
@@ -510,17 +578,18 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   template <class Time, class G>
   void joint_guards(int i, const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
     const JointConstants<T>& d = drive[i];
-    if (d.kind == DriveKind::kPassive) return;
+    if (kind(i) == DriveKind::kPassive) return;
     const Value limit = value_of(d.sea.tau_max);
     const auto limited = (limit > Value(0)) & (limit < Value(std::numeric_limits<double>::infinity()));
     if (!any(limited)) return;
     const SeaState<T> s = joint_state(i, y);
-    const TreeJoint& at = body.joint[i];
-    const T ddphi = dy[kOmega + at.child] - (at.parent < 0 ? T(0) : T(dy[kOmega + at.parent]));
+    const int parent = parent_of(i);
+    const T ddphi = dy[kOmega + child_of(i)] - (parent < 0 ? T(0) : T(dy[kOmega + parent]));
     T tau, rate;
-    if (d.kind == DriveKind::kElastic) {
-      tau = spring_torque<kSea>(d.sea, s);
-      rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
+    if (kind(i) == DriveKind::kElastic) {
+      constexpr SeaTerms kTerms = kPlain ? kPlainSea : kSea;
+      tau = spring_torque<kTerms>(d.sea, s);
+      rate = spring_torque_rate<kTerms>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
       constexpr double kStep = 1e-7;  // for the reference's acceleration by a difference [s]
       const Reference<T> r = reference(i, t), next = reference(i, t + Time(kStep));
@@ -584,7 +653,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
       const SeaState<T> s = joint_state(i, y);
       const bool elastic = d.kind == DriveKind::kElastic;
       const T motor = d.kind == DriveKind::kPassive ? T(0) : T(motor_torque_of(i, s));
-      const T tau = elastic ? limited_torque<kSea>(d.sea, spring_torque<kSea>(d.sea, s), joint[i].saturation) : motor;
+      const T tau = elastic ? elastic_torque(i, s) : motor;
       const auto hold = [&](Side side, const T& driving_torque) {
         out[kSides * i + side] = Hold<T>(d.sea, mean_friction(i, side, tau), asymmetry(i, side), driving_torque);
       };
@@ -616,7 +685,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
                 ? PointMode{}
                 : PointMode{
                       .touching = true, .pad = point[i].padded, .below = !point[i].padded, .floor = !point[i].padded};
-        y[kSlip + i] = T(0);
+        if constexpr (!kPlain) y[kSlip + i] = T(0);
         break;
       case kBottom:
         m.below = m.floor = !m.below;
@@ -638,7 +707,7 @@ class BodySystem : public BodyModeOf<kSize, T>::type,
   void settle_friction(int i, const State& y) {
     PointMode& m = contact[i];
     m.slides = 0;
-    if (!m.touching || !point[i].has_friction) return;
+    if (!m.touching || !has_contact_friction(i)) return;
     const Point at = point_at(i, pose(y));
     const double f = value_of(sticking_force(i, y, at)),
                  limit = value_of(point[i].mu) * value_of(normal_force(point[i], m, at.y, at.v, T(0)).value) +

@@ -22,6 +22,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "common/trigonometry.hpp"
 #include "landing/body/places.hpp"
@@ -33,14 +34,36 @@ struct Capacity {
   int bodies, joints, contacts;
   bool exact = false;  ///< bodies and moving joints are exactly so many: their loops are unrolled
   bool late = false;   ///< for robots with a late drive, see DriveLag
+  bool plain = false;  ///< for robots of is_plain: what else a robot may have is left out
 };
 /// The compiled kernels: exact for the paper's robot, a double pendulum, legs of 2 and 3 joints; others by maximum
-/// size.
-inline constexpr Capacity kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true},
-    kSmall{3, 2, 4}, kMiddle{5, 4, 7}, kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
+/// size. Plain ones are for peaks alone: derivatives may be by a term that is 0.
+inline constexpr Capacity kPlainPair{2, 1, 3, true, false, true}, kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true},
+    kPlainTriple{3, 2, 4, true, false, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
+    kMiddle{5, 4, 7}, kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
     kLate{kMaxLateLinks, kMaxLateJoints, kMaxLateContacts, false, true};
+
+/// Whether a robot has the terms of the paper alone: a free base, straight links with the centres of mass, contacts and
+/// the peak point on them, linear contacts without tangential spring, friction or pad, no stops, and elastic drives of
+/// Eq. 2-4 in the order of the links.
+inline bool is_plain(const Robot& robot) {
+  const auto on_axis = [](const Place& p) { return p.across == 0; };
+  return robot.base == Base::kFree && on_axis(robot.peak) &&
+         contacts_and_stop_ends(robot) == int(robot.contacts.size()) &&
+         std::all_of(robot.links.begin(), robot.links.end(),
+                     [&](const Link& l) { return on_axis(l.at) && on_axis(l.com); }) &&
+         std::all_of(robot.contacts.begin(), robot.contacts.end(),
+                     [&](const ContactPoint& c) {
+                       return on_axis(c.at) && !c.pad && !c.law.hunt_crossley && c.law.stiffness_tangential == 0 &&
+                              !std::isfinite(c.law.friction);
+                     }) &&
+         std::all_of(robot.joints.begin(), robot.joints.end(), [&](const Joint& j) {
+           return j.kind == DriveKind::kElastic && !is_extended(j.sea) && j.parallel_stiffness == 0 &&
+                  j.child == int(&j - robot.joints.data()) + 1;
+         });
+}
 inline bool fits(const Robot& robot, const Capacity& c) {
-  if (c.late != has_late_drive(robot)) return false;
+  if (c.late != has_late_drive(robot) || (c.plain && !is_plain(robot))) return false;
   const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
@@ -57,10 +80,16 @@ auto in_kernel(const Robot& robot, F&& f) {
   return f.template operator()<kFirst>();
 }
 
-/// Calls f<kernel>() with the first kernel of peaks and gradients that fits the robot; as listed in CMakeLists.txt.
+/// Calls f<kernel>() with the first kernel of gradients, or of peaks, that fits the robot; as listed in CMakeLists.txt.
 template <class F>
-auto in_landing_kernel(const Robot& robot, F&& f) {
+auto in_gradient_kernel(const Robot& robot, F&& f) {
   return in_kernel<kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
+}
+template <class F>
+auto in_peak_kernel(const Robot& robot, F&& f) {
+  if (fits(robot, kPlainPair)) return f.template operator()<kPlainPair>();
+  if (fits(robot, kPlainTriple)) return f.template operator()<kPlainTriple>();
+  return in_gradient_kernel(robot, f);
 }
 
 /// A number of bodies or joints: a constant expression where the kernel is exact.
@@ -75,10 +104,14 @@ struct Count<kMax, true> {
   constexpr operator int() const { return kMax; }
 };
 
-/// Lever arms of a point, for each body.
-template <class T, int kBodies>
+/// Lever arms of a point, for each body; with kStraight every B is 0.
+template <class T, int kBodies, bool kStraight = false>
 struct Arms {
   std::array<T, kBodies> a{}, b{};  ///< A, B [m]
+
+  Arms() = default;
+  template <bool kOther>
+  Arms(const Arms<T, kBodies, kOther>& o) : a(o.a), b(o.b) {}
 
   /// Calls f(number of x, same number of y) for every number.
   template <class A, class B, class F>
@@ -116,6 +149,7 @@ struct TreeStop {
 template <class T, Capacity kSize>
 struct Body {
   static constexpr int kBodies = kSize.bodies;
+  using Arm = Arms<T, kBodies, kSize.plain>;
   Count<kBodies, kSize.exact> bodies;
   Count<kSize.joints, kSize.exact> joints;
   int contacts = 0;                    ///< of the robot, without ends of stops
@@ -123,12 +157,12 @@ struct Body {
   Base base = Base::kFree;
   bool first_fixed = false;  ///< the first body's angle is constant: rail, or locked pin
   std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
-  std::array<Arms<T, kBodies>, kSize.contacts> contact{};
-  std::array<TreeStop<T>, kSize.contacts> stop{};    ///< from stops_begin on
-  Arms<T, kBodies> peak{}, first{};                  ///< `first`: the origin of the first link
-  std::array<Arms<T, kBodies>, kMaxLinks> origin{};  ///< of every link
-  Arms<T, kBodies> moment{};                         ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
-  T mass{0};
+  std::array<Arm, kSize.contacts> contact{};
+  std::array<TreeStop<T>, kSize.contacts> stop{};  ///< from stops_begin on
+  Arm peak{}, first{};                             ///< `first`: the origin of the first link
+  std::array<Arm, kMaxLinks> origin{};             ///< of every link
+  Arm moment{};                                    ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
+  T mass{0}, inverse_mass{0};
   std::array<T, 2> rail{T(0), T(1)};  ///< e
   std::array<TreeJoint, kSize.joints> joint{};
   std::array<double, kMaxLinks> offset{};  ///< theta of a link minus theta of its body [rad]
@@ -140,11 +174,10 @@ struct Body {
     for (std::size_t j = 0; j < kBodies; ++j)
       for (std::size_t k = 0; k < kBodies; ++k)
         f(x.n[j][k], y.n[j][k]), f(x.p[j][k], y.p[j][k]), f(x.q[j][k], y.q[j][k]);
-    using Arm = Arms<T, kBodies>;
     for (std::size_t i = 0; i < x.contact.size(); ++i) Arm::for_each(x.contact[i], y.contact[i], f);
     Arm::for_each(x.peak, y.peak, f), Arm::for_each(x.first, y.first, f), Arm::for_each(x.moment, y.moment, f);
     for (std::size_t i = 0; i < x.stop.size(); ++i) f(x.stop[i].end, y.stop[i].end);
-    f(x.mass, y.mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
+    f(x.mass, y.mass), f(x.inverse_mass, y.inverse_mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
   }
   /// Copies everything that is not a number of T.
   template <class U>
@@ -170,7 +203,7 @@ struct Body {
     out.copy_structure(*this);
     const auto set = [](U& to, const T& from) { to = U(value_of(from)); };
     Body<U, kSize>::for_each(out, *this, set);
-    for (std::size_t i = 0; i < origin.size(); ++i) Arms<U, kBodies>::for_each(out.origin[i], origin[i], set);
+    for (std::size_t i = 0; i < origin.size(); ++i) Body<U, kSize>::Arm::for_each(out.origin[i], origin[i], set);
     return out;
   }
 };
@@ -189,28 +222,30 @@ struct TreeAccelerations {
   std::array<T, kBodies> alpha{};
 };
 
-template <class T, int kBodies>
-T x_of(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int j) {
+template <class T, int kBodies, bool kStraight>
+T x_of(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p, int j) {
+  if constexpr (kStraight) return r.a[j] * p.sin[j];
   return r.a[j] * p.sin[j] + r.b[j] * p.cos[j];
 }
-template <class T, int kBodies>
-T y_of(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int j) {
+template <class T, int kBodies, bool kStraight>
+T y_of(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p, int j) {
+  if constexpr (kStraight) return r.a[j] * p.cos[j];
   return r.a[j] * p.cos[j] - r.b[j] * p.sin[j];
 }
-template <class T, int kBodies>
-Eigen::Matrix<T, 2, 1> position(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies) {
+template <class T, int kBodies, bool kStraight>
+Eigen::Matrix<T, 2, 1> position(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p, int bodies) {
   Eigen::Matrix<T, 2, 1> out(p.x, p.y);
   for (int j = 0; j < bodies; ++j) out[0] += x_of(r, p, j), out[1] -= y_of(r, p, j);
   return out;
 }
-template <class T, int kBodies>
-Eigen::Matrix<T, 2, 1> velocity(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies) {
+template <class T, int kBodies, bool kStraight>
+Eigen::Matrix<T, 2, 1> velocity(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p, int bodies) {
   Eigen::Matrix<T, 2, 1> out(p.vx, p.vy);
   for (int j = 0; j < bodies; ++j) out[0] += p.omega[j] * y_of(r, p, j), out[1] += p.omega[j] * x_of(r, p, j);
   return out;
 }
-template <class T, int kBodies>
-Eigen::Matrix<T, 2, 1> acceleration(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p,
+template <class T, int kBodies, bool kStraight>
+Eigen::Matrix<T, 2, 1> acceleration(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p,
                                     const TreeAccelerations<T, kBodies>& acc, int bodies) {
   Eigen::Matrix<T, 2, 1> out(acc.x, acc.y);
   for (int j = 0; j < bodies; ++j) {
@@ -226,7 +261,8 @@ struct TreeLoads {
   T x{0}, y{0};
   std::array<T, kBodies> torque{};
 
-  void add(const Arms<T, kBodies>& r, const TreePose<T, kBodies>& p, int bodies, const T& fx, const T& fy) {
+  template <bool kStraight>
+  void add(const Arms<T, kBodies, kStraight>& r, const TreePose<T, kBodies>& p, int bodies, const T& fx, const T& fy) {
     x += fx, y += fy;
     for (int j = 0; j < bodies; ++j) torque[j] += y_of(r, p, j) * fx + x_of(r, p, j) * fy;
   }
@@ -237,15 +273,14 @@ template <class T, int kMax>
 struct Symmetric {
   std::array<std::array<T, kMax>, kMax> m{};
 
-  /// M = L D L', in place.
+  /// M = L D L', in place: L below the diagonal, the inverse of D on it.
   UKEMI_INLINE void factor(int n) {
     for (int j = 0; j < n; ++j) {
-      std::array<T, kMax> scaled{};
-      for (int k = 0; k < j; ++k) scaled[k] = m[j][k] * m[k][k], m[j][j] -= m[j][k] * scaled[k];
-      const T inverse = T(1) / m[j][j];
-      for (int i = j + 1; i < n; ++i) {
-        for (int k = 0; k < j; ++k) m[i][j] -= m[i][k] * scaled[k];
-        m[i][j] *= inverse;
+      m[j][j] = T(1) / m[j][j];
+      for (int i = n; --i > j;) {  // upwards: the rows above still have their elements of M
+        const T l = m[i][j] * m[j][j];
+        for (int k = j + 1; k <= i; ++k) m[i][k] -= l * m[k][j];
+        m[i][j] = l;
       }
     }
   }
@@ -253,7 +288,7 @@ struct Symmetric {
     for (int i = 0; i < n; ++i)
       for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
     for (int i = n; i-- > 0;) {
-      x[i] = x[i] / m[i][i];
+      x[i] *= m[i][i];
       for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
     }
   }
@@ -271,11 +306,13 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
       m[j][j] = b.n[j][j] + b.p[j][j];
       for (int k = 0; k < j; ++k) {
         const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
-        m[j][k] = b.n[j][k] + b.p[j][k] * c + b.q[j][k] * s;
-        const T h = b.p[j][k] * s - b.q[j][k] * c;  // coefficient of omega_k^2 in row j; in row k it is negative
+        m[j][k] = b.n[j][k] + b.p[j][k] * c;
+        T h = b.p[j][k] * s;  // coefficient of omega_k^2 in row j; in row k it is negative
+        if constexpr (!kSize.plain) m[j][k] += b.q[j][k] * s, h -= b.q[j][k] * c;
         right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
       }
     }
+    if constexpr (kSize.plain) return;
     if (b.base == Base::kRail) add_rail(b, p, right);
     if (!b.first_fixed) return;
     for (int j = 1; j < kMax; ++j) m[j][0] = T(0);
@@ -360,24 +397,25 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMax> right{};
   const int bodies = b.bodies;
+  const Base base = kSize.plain ? Base::kFree : b.base;
   for (int j = 0; j < bodies; ++j) {
     right[j] = load.torque[j];
-    if (b.base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
+    if (base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
   }
   const T fx = load.x + b.mass * gx, fy = load.y + b.mass * gy;
-  if (b.base == Base::kRail) right[bodies] = b.rail[0] * fx + b.rail[1] * fy + along_rail;
+  if (base == Base::kRail) right[bodies] = b.rail[0] * fx + b.rail[1] * fy + along_rail;
   MassMatrix<T, kSize> mass(b, p, right);
-  if (b.base == Base::kRail)  // separate calls: loop counts are constants in exact kernels
+  if (base == Base::kRail)  // separate calls: loop counts are constants in exact kernels
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
   else
     mass.factor(bodies), mass.solve(bodies, right);
   if (stick) [[unlikely]]
-    stick->apply(b, mass, b.base == Base::kRail ? bodies + 1 : bodies, right);
+    stick->apply(b, mass, base == Base::kRail ? bodies + 1 : bodies, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
-  if (b.base == Base::kFree)
-    out.x = fx / b.mass, out.y = fy / b.mass;
-  else if (b.base == Base::kRail)
+  if (base == Base::kFree)
+    out.x = fx * b.inverse_mass, out.y = fy * b.inverse_mass;
+  else if (base == Base::kRail)
     out.x = right[bodies] * b.rail[0], out.y = right[bodies] * b.rail[1];
   return out;
 }
@@ -390,16 +428,20 @@ T kinetic_energy(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p) {
     twice += (b.n[j][j] + b.p[j][j]) * p.omega[j] * p.omega[j];
     for (int k = 0; k < j; ++k) {
       const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
-      twice += T(2) * (b.n[j][k] + b.p[j][k] * c + b.q[j][k] * s) * p.omega[j] * p.omega[k];
+      T m = b.n[j][k] + b.p[j][k] * c;
+      if constexpr (!kSize.plain) m += b.q[j][k] * s;
+      twice += T(2) * m * p.omega[j] * p.omega[k];
     }
-    if (b.base != Base::kFree) twice += T(2) * p.omega[j] * (p.vx * y_of(b.moment, p, j) + p.vy * x_of(b.moment, p, j));
+    if (!kSize.plain && b.base != Base::kFree)
+      twice += T(2) * p.omega[j] * (p.vx * y_of(b.moment, p, j) + p.vy * x_of(b.moment, p, j));
   }
   return T(0.5) * twice;
 }
 
 /// Lever arms of a place of a link, from those of its origin.
 template <class T, Capacity kSize>
-Arms<T, kSize.bodies> shifted(const Body<T, kSize>& b, Arms<T, kSize.bodies> from, int link, const Place& at) {
+Arms<T, kSize.bodies> shifted(const Body<T, kSize>& b, std::type_identity_t<Arms<T, kSize.bodies>> from, int link,
+                              const Place& at) {
   const std::size_t body = std::size_t(b.body_of[link]);
   const double c = std::cos(b.offset[link]), s = std::sin(b.offset[link]);
   from.a[body] += at.along * c - at.across * s, from.b[body] += at.along * s + at.across * c;
@@ -431,6 +473,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     com[i] = shifted(origin[i], i, link.com);
     out.mass += link.mass;
   }
+  out.inverse_mass = 1 / out.mass;
   Arm centre;
   for (std::size_t i = 0; i < com.size(); ++i)
     for (int j = 0; j < bodies; ++j)

@@ -51,7 +51,7 @@ void check(const BodyParameter& p, const Robot& robot) {
 BodyGradients gradients_of_run(const BodyScene& scene, const BodyMotion& motion,
                                std::span<const BodyParameter> parameters, const SimulateOptions& options,
                                int max_peaks) {
-  return in_landing_kernel(scene.robot, [&]<Capacity kSize>() {
+  return in_gradient_kernel(scene.robot, [&]<Capacity kSize>() {
     return gradients_in_kernel<kSize>(scene, motion, parameters, options, max_peaks);
   });
 }

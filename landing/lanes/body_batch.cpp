@@ -33,7 +33,7 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
   if (options.accuracy < kLowOrder || !(fits(robot, kMiddle) || fits(robot, kLateLeg)))
     return run_scalar(source, options);
-  in_kernel<kPair, kTriple, kQuad, kLateLeg, kMiddle>(robot, [&]<Capacity kSize>() {
+  in_kernel<kPlainPair, kPair, kPlainTriple, kTriple, kQuad, kLateLeg, kMiddle>(robot, [&]<Capacity kSize>() {
     switch (std::min(set, widest_instruction_set())) {
       case InstructionSet::kAvx512:
         return run_body_lanes<kSize, 8>(source, options);
@@ -49,14 +49,16 @@ void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLandin
                       const BodyBatchOptions& options, int threads, InstructionSet set) {
   SimulateOptions{.accuracy = options.accuracy, .max_steps = options.max_steps}.validate();
   const BodyScene* scene = nullptr;
-  const BodyMotion* motion = nullptr;
+  const BodyMotion* motion = nullptr;  // the last ones that were checked
   for (const BodyBatchCase& c : cases) {
     if (!c.scene || !c.motion) throw InputError("batch: a case without a scene or a motion");
     if (!(c.abandon_above >= 0))
       throw InputError("abandon_above: " + shortest(c.abandon_above) + ": at least 0 is needed");
-    if (c.scene == scene && c.motion == motion) continue;
+    const bool same_scene = c.scene == scene;
+    if (same_scene && c.motion == motion) continue;
+    if (!same_scene) c.scene->validate();
     scene = c.scene, motion = c.motion;
-    scene->validate(), validate(scene->robot, *motion);
+    validate(scene->robot, *motion);
   }
   if (landings.size() != cases.size())
     throw InputError("batch: " + std::to_string(landings.size()) + " landings: " + std::to_string(cases.size()) +

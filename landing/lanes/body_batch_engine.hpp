@@ -28,10 +28,13 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
 
  public:
   BodyBatchEngine(BodyBatchSource& source, const BodyBatchOptions& options)
-      : Engine(System(), options.accuracy, options.max_steps), source_(source), options_(options) {}
+      : Engine(System(), options.accuracy, std::min(kLongest, options.max_steps)), source_(source), options_(options) {}
   void run() { this->run_all(source_); }
 
  private:
+  /// Steps of a lane; the scalar path, which may go implicit, runs a landing that needs more.
+  static constexpr long kLongest = 20'000;
+
   /// Starts the next landing in lane i; unsupported landings run in the scalar path.
   [[gnu::noinline]] void load(int i) {
     for (BodyBatchCase c;;) {
@@ -45,6 +48,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       Course& course = course_[i].emplace(*c.scene, *c.motion);
       Values y = course.released();
       if (system_.links == 0) system_.copy_structure(course.system);
+      system_.shaped = system_.shaped || course.system.shaped;
       const std::vector<LaneLoad> loads = loads_of_lanes(*c.scene);
       if (!any(active_)) loads_ = loads;
       if (!system_.same_structure(course.system) || !same_loads(loads) ||

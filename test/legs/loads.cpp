@@ -199,14 +199,14 @@ TEST_CASE("legs: the acceleration that counts, rated 1, is no other plan, and an
 
 TEST_CASE("legs: a plan makes the largest part of a rating small, and keeps limits that the peak's plan breaks") {
   BodyScene scene = shipped("hopper");
-  scene.loads = {load(Kind::kAcceleration, scene.robot.peak_link, 40), load(Kind::kForce, 2, 100)};
+  scene.loads = {load(Kind::kAcceleration, scene.robot.peak_link, 40), load(Kind::kForce, 2, 250)};
   scene.loads[0].at = scene.robot.peak;
   const BodyPlanOptions options{.evaluations = 400, .seed = 3};
   const BodyPlan both = plan(scene, options);
   REQUIRE(both.found);
-  CHECK(both.value < both.held_value);
+  CHECK(both.value < 0.7 * both.held_value);  // the foot's force at the touchdown itself cannot be reduced
   CHECK(both.value == worth(scene, both.landing));
-  CHECK(both.value == std::max(both.landing.loads[0].value / 40, both.landing.loads[1].value / 100));
+  CHECK(both.value == std::max(both.landing.loads[0].value / 40, both.landing.loads[1].value / 250));
 
   scene.loads.pop_back();
   scene.loads.push_back(load(Kind::kMotorSpeed, 1, 0));
