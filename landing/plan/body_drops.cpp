@@ -157,6 +157,22 @@ BodyDrop BodyDropModel::drop(std::span<const double> u) const {
   return out;
 }
 
+BodyDropModel BodyDropModel::measured(const BodyScene& scene, std::vector<BodyDrop> drops) {
+  BodyScene exact = scene;
+  exact.uncertainty.reset(), exact.identified.reset();
+  BodyDropModel out(exact, Scatter{}, {.inflate = 0});
+  out.measured_ = std::move(drops);
+  return out;
+}
+
+std::vector<BodyDrop> BodyDropModel::even(long count, std::uint64_t seed, long first) const {
+  if (measured_.empty()) return drops(sampler_.even(count, seed, first), count);
+  const std::size_t n = std::min(measured_.size(), std::size_t(count));
+  std::vector<BodyDrop> out;
+  for (std::size_t i = 0; i < n; ++i) out.push_back(measured_[i * measured_.size() / n]);
+  return out;
+}
+
 std::vector<BodyDrop> BodyDropModel::drops(const std::vector<double>& points, long count) const {
   const auto d = std::size_t(sampler_.dimension());
   std::vector<BodyDrop> out;

@@ -1,5 +1,5 @@
 // Scattered drops of a robot of links: by the scene's scatter, the covariance of each drive's fitted constants, and the
-// execution tolerance.
+// execution tolerance; or drops as they were measured.
 #pragma once
 
 #include <cstdint>
@@ -42,22 +42,24 @@ class BodyDropModel {
   /// scatter, a term that the base or the contacts do not have, and a covariance that is not positive semidefinite.
   BodyDropModel(const BodyScene& scene, const Scatter& scatter, const Options& options);
   BodyDropModel(const BodyScene& scene, const Scatter& scatter) : BodyDropModel(scene, scatter, Options()) {}
+  /// A model of measured drops, instead of drawn ones; at least one.
+  static BodyDropModel measured(const BodyScene& scene, std::vector<BodyDrop> drops);
 
   const BodyScene& scene() const { return scene_; }
+  const std::vector<BodyDrop>& measured() const { return measured_; }  ///< empty of drawn drops
   /// The distribution of the drops.
   const Sampler& sampler() const { return sampler_; }
-  bool scatters() const { return sampler_.dimension() > 0; }
+  bool scatters() const { return sampler_.dimension() > 0 || !measured_.empty(); }
   /// The drop of a point of the unit cube with sampler().dimension() numbers.
   BodyDrop drop(std::span<const double> u) const;
   /// The drops of `count` points, stored one after the other; copies of the scene's drop where nothing scatters.
   std::vector<BodyDrop> drops(const std::vector<double>& points, long count) const;
-  /// Of scrambled Sobol points: for searches, best with a power of two.
-  std::vector<BodyDrop> even(long count, std::uint64_t seed, long first = 0) const {
-    return drops(sampler_.even(count, seed, first), count);
-  }
-  /// Of independent points: for the report on a plan.
+  /// Of scrambled Sobol points from point `first` on: for searches, best with a power of two. Of measured drops `count`
+  /// spread over all of them, or all.
+  std::vector<BodyDrop> even(long count, std::uint64_t seed, long first = 0) const;
+  /// Of independent points: for the report on a plan. Of measured drops all.
   std::vector<BodyDrop> independent(long count, std::uint64_t seed) const {
-    return drops(sampler_.independent(count, seed), count);
+    return measured_.empty() ? drops(sampler_.independent(count, seed), count) : measured_;
   }
 
  private:
@@ -73,6 +75,7 @@ class BodyDropModel {
   std::vector<std::string> floor_names_;                                ///< see floor_constants
   bool phi_, rate_, inexact_;
   std::vector<std::pair<int, std::vector<int>>> fitted_;  ///< joints with a covariance, indices of its constants
+  std::vector<BodyDrop> measured_;
 };
 
 /// Scatter::assumed() without the terms that this base does not have.

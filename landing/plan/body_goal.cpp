@@ -96,13 +96,19 @@ BodyGoal execution_box(const BodyScene& scene, bool measured) {
   return out;
 }
 
+BodyDropModel drop_model(const BodyScene& scene, const BodyPlanOptions& options) {
+  if (options.measured) return BodyDropModel::measured(scene, *options.measured);
+  return {scene,
+          scatter_for(options.scatter, scene),
+          {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant}};
+}
+
 BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging) {
   const BodyGoal nominal = nominal_drop(scene);
   const bool tolerant = options.goal == Goal::kTolerant;
   if (!options.measure && tolerant) return {execution_box(scene, true), execution_box(scene, true)};
   if (!options.measure) return {nominal, scene.limited() ? execution_box(scene, false) : nominal};
-  const BodyDropModel model(scene, scatter_for(options.scatter, scene),
-                            {.inflate = options.inflate, .inexact = tolerant});
+  const BodyDropModel model = drop_model(scene, options);
   if (!model.scatters()) return {nominal, nominal};
   const double share = options.share.value_or(options.measure->share());
   BodyGoals out{

@@ -70,6 +70,8 @@ void check_share(const BodyScene& scene, const std::optional<double>& share, con
 struct BodyGoals {
   BodyGoal search, judge;
 };
+/// The drops of plans under scatter: measured or drawn.
+BodyDropModel drop_model(const BodyScene& scene, const BodyPlanOptions& options);
 /// Of a scene; where drops scatter under a measure, `searched` and `judging` of them.
 BodyGoals plan_goals(const BodyScene& scene, const BodyPlanOptions& options, long searched, long judging);
 /// Number of judging drops without a deadline: enough to distinguish a requested share from a smaller one.

@@ -479,9 +479,10 @@ constexpr double kFreshShare = 0.1;
 std::optional<BodyUnderScatter> evaluate_on_fresh(const BodyScene& scene, const BodyPlan& plan,
                                                   const BodyPlanOptions& options, const Stopwatch& watch) {
   constexpr std::size_t kChunk = 128;  // drops between two checks of the clock
-  BodyUnderScatter out{.scatter = scatter_for(options.scatter, scene), .assumed = !options.scatter && !scene.scatter};
-  const BodyDropModel model(scene, out.scatter,
-                            {.inflate = options.inflate, .inexact = options.goal == Goal::kTolerant});
+  const bool drawn = !options.measured;
+  BodyUnderScatter out{.scatter = drawn ? std::optional(scatter_for(options.scatter, scene)) : std::nullopt,
+                       .assumed = drawn && !options.scatter && !scene.scatter};
+  const BodyDropModel model = drop_model(scene, options);
   if (!model.scatters()) return std::nullopt;
   const std::vector<BodyDrop> drops = model.independent(options.fresh, fresh_seed(options.seed));
   const std::function<bool()> past_deadline = [&] { return options.deadline && watch.seconds() > *options.deadline; };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,14 +15,17 @@
 
 namespace ukemi::landing {
 
+struct BodyDrop;
+
 struct BodyPlanOptions {
   Goal goal = Goal::kPeak;         ///< kPeak or kTolerant (the worst of execution_drops); `measure` makes it robust
   std::optional<Measure> measure;  ///< of the peaks over scattered drops; with kTolerant each is played inexactly
   std::optional<Scatter> scatter;  ///< see scatter_for
-  std::optional<double> share;     ///< with a measure: of drops that must keep the limits; absent: Measure::share
-  double inflate = 1;              ///< see BodyDropModel::Options
-  long samples = 64;               ///< drops of the search, 1 to 4096; fewer with a short deadline
-  long judging = 256;              ///< other drops, on which the best few are judged; the same range
+  std::shared_ptr<const std::vector<BodyDrop>> measured;  ///< drops as they were measured, instead of drawn ones
+  std::optional<double> share;  ///< with a measure: of drops that must keep the limits; absent: Measure::share
+  double inflate = 1;           ///< see BodyDropModel::Options
+  long samples = 64;            ///< drops of the search, 1 to 4096; fewer with a short deadline
+  long judging = 256;           ///< other drops, on which the best few are judged; the same range
   long fresh = 2048;  ///< further drops for the report on the answer, 0 to 1e6; with a deadline only if `share` is set
   std::optional<long> evaluations;  ///< motions, with a measure landings; absent: default_evaluations, or no bound
   std::optional<double> deadline;   ///< of the answer, from the call [s], > 0
@@ -42,10 +46,10 @@ struct BodyProgress {
   double seconds, value;
 };
 
-/// A plan over fresh drops, compared with the held posture.
+/// A plan over fresh drops, or all measured ones, compared with the held posture.
 struct BodyUnderScatter {
-  Scatter scatter;
-  bool assumed = false;  ///< neither the options nor the scene have a scatter
+  std::optional<Scatter> scatter;  ///< absent: measured drops
+  bool assumed = false;            ///< neither the options nor the scene have a scatter
   Distribution planned, held;
   Estimated measured;               ///< BodyPlanOptions::measure of the plan; without one the mean
   long from_floor = 0, broken = 0;  ///< drops that would begin below the floor; drops in which the plan breaks a limit

@@ -84,10 +84,15 @@ class DropRunner {
 void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scene, const BodyMotion& motion,
                 long samples, const BodyRiskOptions& options, DropRunner& runner) {
   const BodyMotion hold = held_posture(model.scene());
+  const auto drops_of = [&](long first, long count) {
+    const std::vector<BodyDrop>& measured = model.measured();
+    return measured.empty() ? model.even(count, options.seed, first)
+                            : std::vector<BodyDrop>(measured.begin() + first, measured.begin() + first + count);
+  };
   PeakCensus census;
   WorstDrops worst;
   for (long first = 0; first < samples; first += kChunk) {
-    std::vector<BodyDrop> drops = model.even(std::min(kChunk, samples - first), options.seed, first);
+    std::vector<BodyDrop> drops = drops_of(first, std::min(kChunk, samples - first));
     const auto of_held = std::span<const BodyDrop>(drops).first(
         std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
     const std::vector<double> held_peaks = runner.peaks(of_held, hold);
@@ -115,8 +120,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
     runner.played(long(drops.size() + of_held.size()));
   }
   census.report(out);
-  for (const auto& [peak, index] : worst.drops())
-    out.worst.push_back({model.even(1, options.seed, index).front(), peak});
+  for (const auto& [peak, index] : worst.drops()) out.worst.push_back({drops_of(index, 1).front(), peak});
 }
 
 }  // namespace
@@ -124,17 +128,21 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
 BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyRiskOptions& options) {
   options.validate(), validate(scene.robot, motion);
   BodyRisk out;
-  out.scatter = scatter_for(options.scatter, scene);
-  out.assumed = !options.scatter && !scene.scatter;
+  const bool drawn = options.measured.empty();
+  if (drawn) out.scatter = scatter_for(options.scatter, scene);
+  out.assumed = drawn && !options.scatter && !scene.scatter;
   out.events = events_of(scene);
   BodyScene bare = scene;
   bare.loads.clear();
-  const BodyDropModel model(bare, out.scatter, options.drops);
-  const long samples = model.scatters() ? options.samples : 1;
+  std::vector<BodyDrop> measured = options.measured;
+  for (BodyDrop& d : measured) d.scene.loads.clear();
+  const BodyDropModel model =
+      drawn ? BodyDropModel(bare, *out.scatter, options.drops) : BodyDropModel::measured(bare, measured);
+  const long samples = !drawn ? long(measured.size()) : model.scatters() ? options.samples : 1;
   const IndexPlan plan(model.sampler(), samples);
   DropRunner runner(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
   play_drops(out, model, scene, motion, samples, options, runner);
-  out.why_none = plan.why_none(runner.stopped());
+  out.why_none = drawn ? plan.why_none(runner.stopped()) : PeakRisk::WhyNone::kMeasured;
   if (out.why_none != PeakRisk::WhyNone::kThere) return out;
   plan.compute(out, kChunk, options.seed, options.threads,
                [&](const std::vector<double>& points, long count) -> std::optional<std::vector<double>> {

@@ -12,6 +12,7 @@ struct BodyRiskOptions {
   long samples = 10'000;           ///< number of drops: scrambled Sobol points; 1 to 10,000,000
   std::optional<Scatter> scatter;  ///< see scatter_for
   BodyDropModel::Options drops;
+  std::vector<BodyDrop> measured;  ///< played instead of drawn ones, if not empty
   std::uint64_t seed = 1;
   int threads = 0;        ///< 0: all cores; without influence on the results
   Monitor monitor;        ///< progress in landings; a result that it stops covers the drops played until then
@@ -19,8 +20,8 @@ struct BodyRiskOptions {
 };
 
 struct BodyRisk : PeakRisk {
-  Scatter scatter;
-  bool assumed = false;  ///< neither the options nor the scene have a scatter
+  std::optional<Scatter> scatter;  ///< absent: measured drops
+  bool assumed = false;            ///< neither the options nor the scene have a scatter
   struct Drop {
     BodyDrop drop;
     double peak;  ///< [m/s^2]

@@ -347,10 +347,40 @@ TEST_CASE("a scene that does not say which robot falls, and tables in the wrong 
   }
 }
 
+TEST_CASE("drops as they were measured are played and planned for, of a robot of links") {
+  const Folder f;
+  const Arguments drops = {"--drops", "drops.csv"};
+  done(f, {"risk", kHopper, "--samples", "400", "-o", "drawn"});
+  f.write("drops.csv", read(f.at("drawn/risk.csv")));  // the worst of them, as if they had been measured
+  const Json drawn = Json::parse(read(f.at("drawn/summary.json")));
+  const Result r = done(f, Arguments{"risk", kHopper, "-o", "risk"} + drops);
+  CHECK_THAT(r.err, !Contains("assumed"));
+  const Json told = Json::parse(read(f.at("risk/summary.json")));
+  CHECK(told["peak"]["max"].get<double>() == Approx(drawn["peak"]["max"].get<double>()).epsilon(1e-9));
+  CHECK(told["scatter"].is_null());
+
+  done(f, Arguments{"optimize", kHopper, "--robust", "worst", "--evaluations", "4000", "-o", "best"} + drops);
+  const Json best = Json::parse(read(f.at("best/summary.json")));
+  CHECK(best["scatter"]["deviations"].is_null());
+  CHECK(best["scatter"]["planned"]["samples"] == told["peak"]["samples"]);
+  CHECK(best["robust"]["promised"].get<double>() == Approx(best["scatter"]["measured"].get<double>()).epsilon(1e-4));
+  CHECK(best["scatter"]["planned"]["max"] < 0.7 * told["peak"]["max"].get<double>());
+  const Result alone = done(f, Arguments{"optimize", kHopper, "--evaluations", "500", "-o", "alone"} + drops);
+  CHECK_THAT(alone.out, Contains("measured drops"));
+
+  for (const Arguments& more : {Arguments{"--scatter", "height=0.1"}, Arguments{"--inflate", "2"}}) {
+    check_refused(f, Arguments{"risk", kHopper} + drops + more, {more[0], "--drops"});
+    check_refused(f, Arguments{"optimize", kHopper} + drops + more, {more[0], "--drops"});
+  }
+  check_refused(f, Arguments{"risk", kHopper, "--samples", "100"} + drops, {"--samples", "--drops"});
+  f.write("drops.csv", "height,colour\n0.3,1\n-0.3,1\n");
+  check_refused(f, Arguments{"risk", kHopper} + drops, {"drops.csv:3:1: 'height': -0.3: "});
+}
+
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
   const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";
-  check_refused(f, {"optimize", kHopper, "--drops", "x.csv"}, {"--drops: ", can});
+  check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});

@@ -1,6 +1,8 @@
 // Python bindings of plans and risk of robots of links.
 #include <fmt/format.h>
 
+#include "common/error.hpp"
+#include "landing/plan/body_drop_file.hpp"
 #include "landing/plan/body_planner.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/search.hpp"
@@ -13,6 +15,14 @@ namespace ukemi::python {
 using namespace landing;
 
 namespace {
+
+/// The drops of a file; empty without one.
+std::vector<BodyDrop> measured_drops(const std::optional<Path>& file, const BodyScene& scene,
+                                     const std::optional<std::string>& scatter, double inflate) {
+  if (!file) return {};
+  check_measured(scatter, inflate);
+  return read_drops(*file, scene);
+}
 
 struct BodyOptimum {
   BodyScene scene;
@@ -87,10 +97,14 @@ void bind_body_optimize(py::module_& m) {
       [](const BodyScene& scene, std::uint64_t seed, const std::string& objective, std::optional<long> evaluations,
          std::optional<double> deadline, const std::optional<std::string>& robust,
          const std::optional<std::string>& scatter, double inflate, long samples, double rate, int threads,
-         const std::vector<std::string>& forbidden, bool ratings, std::optional<double> share) {
+         const std::vector<std::string>& forbidden, bool ratings, std::optional<double> share,
+         const std::optional<Path>& drops) {
         const BodyScene limited = with_limits(scene, forbidden, ratings);
         BodyPlanOptions options =
             plan_options(limited, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
+        if (drops)
+          options.measured =
+              std::make_shared<const std::vector<BodyDrop>>(measured_drops(drops, limited, scatter, inflate));
         options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
         return planned(limited, options);
       },
@@ -98,9 +112,10 @@ void bind_body_optimize(py::module_& m) {
       py::arg("deadline") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
       py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("rate") = 1000.0,
       py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
-      py::arg("share") = py::none(),
+      py::arg("share") = py::none(), py::arg("drops") = py::none(),
       "The same of a robot of links: a motion for every driven joint. forbid: contacts that must never touch. Stops of "
-      "the scene are kept, with robust in `share` of the drops [1].");
+      "the scene are kept, with robust in `share` of the drops [1]. drops: a CSV file of measured ones, in place of "
+      "drawn ones.");
 }
 
 /// A planner that throws if a second thread uses it meanwhile.
@@ -229,12 +244,15 @@ void bind_body_risk(py::module_& m) {
   m.def(
       "risk",
       [](const BodyScene& scene, const JointMotions& motions, const std::optional<std::string>& scatter, double inflate,
-         bool inexact, long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden) {
+         bool inexact, long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden,
+         const std::optional<Path>& drops) {
         BodyRiskOptions options{.samples = samples, .scatter = parsed_scatter(scatter)};
+        if (drops && inexact) throw InputError("inexact: beside drops it has no effect");
         options.drops = {.inflate = inflation(inflate), .inexact = inexact};
         options.seed = seed, options.threads = threads;
         options.validate();
         const BodyScene limited = with_limits(scene, forbidden, false);
+        options.measured = measured_drops(drops, limited, scatter, inflate);
         const BodyMotion motion = motions_of(scene, motions);
         return long_call([&](const std::function<bool()>& stop) {
           options.monitor.stop = stop;
@@ -245,7 +263,7 @@ void bind_body_risk(py::module_& m) {
       },
       py::arg("scene"), py::arg("motions"), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
       py::arg("inexact") = false, py::arg("samples") = BodyRiskOptions().samples, py::arg("seed") = 1,
-      py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{},
+      py::arg("threads") = 0, py::arg("forbid") = std::vector<std::string>{}, py::arg("drops") = py::none(),
       "The same of a robot of links. motions: of its joints by name; one that is not named is held as its scene says.");
 }
 

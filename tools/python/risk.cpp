@@ -44,12 +44,15 @@ void bind_distribution(py::module_& m) {
 
 }  // namespace
 
-std::vector<ScatteredDrop> measured_drops(const std::optional<Path>& file, const Scene& scene, const Actuator& actuator,
-                                          const std::optional<std::string>& scatter, double inflate) {
-  if (!file) return {};
+void check_measured(const std::optional<std::string>& scatter, double inflate) {
   if (scatter || inflate != 1)
     throw InputError(std::string(scatter ? "scatter" : "inflate") +
                      ": beside drops it has no effect: the drops come as they were measured");
+}
+std::vector<ScatteredDrop> measured_drops(const std::optional<Path>& file, const Scene& scene, const Actuator& actuator,
+                                          const std::optional<std::string>& scatter, double inflate) {
+  if (!file) return {};
+  check_measured(scatter, inflate);
   return read_drops(*file, scene, actuator.sea);
 }
 

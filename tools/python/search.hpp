@@ -16,6 +16,8 @@ inline std::optional<landing::Scatter> parsed_scatter(const std::optional<std::s
 }
 /// Measured drops of a file, which replace drawn ones; none without a file. Throws InputError where `scatter` or
 /// `inflate` is given too.
+/// Throws InputError where what draws drops is given beside measured ones.
+void check_measured(const std::optional<std::string>& scatter, double inflate);
 std::vector<landing::ScatteredDrop> measured_drops(const std::optional<Path>& file, const landing::Scene& scene,
                                                    const Actuator& actuator, const std::optional<std::string>& scatter,
                                                    double inflate);

@@ -74,7 +74,7 @@ Series descent(const BodyPlan& plan) {
 }
 
 Json scatter_json(const BodyUnderScatter& u) {
-  return {{"deviations", text_of(u.scatter)},
+  return {{"deviations", u.scatter ? Json(text_of(*u.scatter)) : Json()},
           {"assumed", u.assumed},
           {"planned", distribution_json(u.planned)},
           {"held", distribution_json(u.held)},
@@ -84,10 +84,12 @@ Json scatter_json(const BodyUnderScatter& u) {
           {"broken", u.broken}};
 }
 
+const char* drops_noun(const BodyUnderScatter& u) { return u.scatter ? "fresh drops" : "measured drops"; }
+
 /// Whether the share of fresh drops that was asked for, or all, keep the limits.
 Check share_check(const BodyPlan& p, const BodyPlanOptions& options) {
   if (const std::optional<double> kept = kept_share(p))
-    return keeps_limits_check(*kept, p.under->planned.samples, "fresh drops", options.share);
+    return keeps_limits_check(*kept, p.under->planned.samples, drops_noun(*p.under), options.share);
   return {Check::State::kUnknown, "keeps its limits under scatter",
           fmt::format("the share that keeps the limits is not judged on fresh drops{}; asked {:g} %",
                       options.deadline ? ": the deadline left no time" : "", 100 * *options.share)};
@@ -100,8 +102,8 @@ Json report_exceeded(const BodyScene& scene, const BodyUnderScatter& u, Report& 
   for (std::size_t i = 0; i < u.exceeded.size(); ++i) {
     const Load& l = scene.loads[i];
     out[l.name] = {{"drops", u.exceeded[i]}, {"share", share(u.exceeded[i])}};
-    const std::string words =
-        fmt::format("{}: {} in {} of fresh drops", l.name, exceeded_words(l), percent_words(share(u.exceeded[i])));
+    const std::string words = fmt::format("{}: {} in {} of {}", l.name, exceeded_words(l),
+                                          percent_words(share(u.exceeded[i])), drops_noun(u));
     run.say(words), report.paragraph(words + ".");
   }
   return out;
@@ -146,15 +148,15 @@ std::string band_words(double half) { return std::isfinite(half) ? fmt::format("
 void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
                     Report& report, Run& run) {
   const BodyUnderScatter& u = *p.under;
-  const std::string drops = text_of(u.scatter) + (u.assumed ? "; assumed" : "");
-  run.say(fmt::format("under scatter ({}; {} fresh drops): {}; {}: {}", drops, u.planned.samples,
+  const std::string drops = scatter_words(u.scatter, u.assumed), noun = drops_noun(u);
+  run.say(fmt::format("under scatter ({}; {} {}): {}; {}: {}", drops, u.planned.samples, noun,
                       distribution_words(u.planned), held, distribution_words(u.held)));
   if (options.measure)
-    run.say(fmt::format("promised {}, fresh {}{} ({:+.1f} %)", short_peak_words(p.value),
+    run.say(fmt::format("promised {}, over {} {}{} ({:+.1f} %)", short_peak_words(p.value), noun,
                         short_peak_words(u.measured.value), band_words(kNormal975 * u.measured.standard_error),
                         100 * (u.measured.value / p.value - 1)));
   if (u.broken > 0)
-    run.warn(fmt::format("the plan breaks a limit in {} of {} fresh drops ({:.2g} %)", u.broken, u.planned.samples,
+    run.warn(fmt::format("the plan breaks a limit in {} of {} {} ({:.2g} %)", u.broken, u.planned.samples, noun,
                          100.0 * double(u.broken) / double(u.planned.samples)));
   if (u.from_floor > 0)
     run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
@@ -166,8 +168,8 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
                          held, short_peak_words(u.held.cvar90.value),
                          options.measure ? "" : "; --robust cvar plans for that"));
   report.heading("Under scatter");
-  report.paragraph(fmt::format("Drops: {}. The same {} for both; they are others than those that were searched on.",
-                               drops, u.planned.samples));
+  report.paragraph(fmt::format("Drops: {}. The same {} for both{}.", drops, u.planned.samples,
+                               u.scatter ? "; they are others than those that were searched on" : ""));
   report.table(Table(named_quantities(distributed_words("|a|", rated)), {{"planned", u.planned}, {held, u.held}}));
 }
 
@@ -203,8 +205,10 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
   RiskTexts texts{.scene = scene.name,
                   .source = scene.source,
                   .motion = motion_words(robot, motion),
-                  .drops = drops_words(risk.scatter, risk.assumed, "drives", robot.fitted() || scene.identified,
-                                       options.drops.inflate, options.drops.inexact),
+                  .drops = risk.scatter
+                               ? drops_words(*risk.scatter, risk.assumed, "drives", robot.fitted() || scene.identified,
+                                             options.drops.inflate, options.drops.inexact)
+                               : kMeasuredDrops,
                   .held = held_words(robot, held_posture(scene)),
                   .scatter = risk.scatter,
                   .assumed = risk.assumed,

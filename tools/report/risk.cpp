@@ -327,7 +327,7 @@ int report(const RiskStudy& s, Run& run) {
                         .drops = s.scatter
                                      ? drops_words(*s.scatter, s.assumed, "actuator", s.actuator.covariance.size() > 0,
                                                    s.scattering.inflate, s.scattering.inexact)
-                                     : "Drops as they were measured.",
+                                     : kMeasuredDrops,
                         .held = held_words(),
                         .scatter = s.scatter,
                         .assumed = s.assumed,

@@ -40,6 +40,7 @@ struct RiskTexts {
   std::function<landing::Load(int)> load = {};  ///< loads of a robot of links
   bool limited = false;                         ///< there are limits: PeakRisk::kept
 };
+inline constexpr const char* kMeasuredDrops = "Drops as they were measured.";
 /// How the drops scatter, in sentences; `whose` constants scatter if `uncertain`, by `inflate` times their errors.
 std::string drops_words(const landing::Scatter& scatter, bool assumed, const std::string& whose, bool uncertain,
                         double inflate, bool inexact);

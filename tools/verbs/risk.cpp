@@ -44,6 +44,7 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 }
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
+  check_measured(a);
   if (is_of_links(a.scene)) return risk_body(a, common);
   refuse_set(a.set);
   Run run(kRiskOutputs, common);
@@ -52,7 +53,6 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   const Motion motion = motion_of(a.motion, "risk", run);
   RiskOptions options = options_of(a, common, run);
   RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
-  check_measured(a);
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
   study.scattering = {.inflate = scattering.inflate, .inexact = a.execution == RiskArguments::Execution::kInexact};
   options.measured = scattering.measured;

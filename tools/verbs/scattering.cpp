@@ -21,8 +21,12 @@ void add_scatter(CLI::App& verb, ScatterArguments& a) {
   verb.add_option("--inflate", a.inflate, "factor of the standard errors of the actuator's constants; 0: exact [1]");
 }
 void add_drops(CLI::App& verb, ScatterArguments& a) {
-  verb.add_option("--drops", a.drops,
-                  "CSV file of drops as they were measured, in place of drawn ones; not of robots of links");
+  verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
+}
+void ScatterArguments::check_measured() const {
+  const char* given = scatter ? "--scatter" : inflate ? "--inflate" : nullptr;
+  if (given && !drops.empty())
+    throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
 }
 
 double checked_inflate(const ScatterArguments& a) {
@@ -35,8 +39,7 @@ Scattering scattering_of(const ScatterArguments& a, const landing::Scene& scene,
   Scattering out;
   out.inflate = checked_inflate(a);
   if (!a.drops.empty()) {
-    if (const char* given = a.scatter ? "--scatter" : a.inflate ? "--inflate" : nullptr)
-      throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
+    a.check_measured();
     run.input(a.drops);
     out.measured = landing::read_drops(a.drops, scene, actuator.sea);
     return out;

@@ -15,6 +15,8 @@ struct ScatterArguments {
   std::optional<std::string> scatter;  ///< NAME=STD,...
   std::optional<double> inflate;
   std::string drops;  ///< file of measured drops
+  /// Throws InputError where options for drawn drops are given with --drops.
+  void check_measured() const;
 };
 /// Adds --scatter and --inflate.
 void add_scatter(CLI::App& verb, ScatterArguments& arguments);
