@@ -171,6 +171,7 @@ class BatchEngine : private Lockstep<BatchEngine<kTerms, W>, LandingSystem<kTerm
   void start_other_maxima(const M&) {}
   void track_other_maxima() {}
   UKEMI_INLINE M abandoned(const M& where) const { return where & (peak_.square > abandon_square_); }
+  M given_up() const { return M(false); }
   void peak_raised(int i) { out_[i].peak_contact = out_[i].contacts.size() - 1; }
   UKEMI_INLINE T longest_step() const {
     return select(system_.phase.moving, motion_max_step_, T(std::numeric_limits<double>::infinity()));

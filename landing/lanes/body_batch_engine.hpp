@@ -28,13 +28,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
 
  public:
   BodyBatchEngine(BodyBatchSource& source, const BodyBatchOptions& options)
-      : Engine(System(), options.accuracy, std::min(kLongest, options.max_steps)), source_(source), options_(options) {}
+      : Engine(System(), options.accuracy, options.max_steps), source_(source), options_(options) {}
   void run() { this->run_all(source_); }
 
  private:
-  /// Steps of a lane; the scalar path, which may go implicit, runs a landing that needs more.
-  static constexpr long kLongest = 20'000;
-
   /// Starts the next landing in lane i; unsupported landings run in the scalar path.
   [[gnu::noinline]] void load(int i) {
     for (BodyBatchCase c;;) {
@@ -316,6 +313,11 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
 
   UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) { return s.peak_square(y, dy); }
   void peak_raised(int) {}
+  /// Lanes whose steps are so short that they may be stiff: the scalar path, which may go implicit, runs them.
+  UKEMI_INLINE M given_up() const {
+    constexpr double kPatience = 5'000, kShortest = 1e-4;  // steps; their mean length [s]
+    return (steps_ > T(kPatience)) & (step_.t < T(kShortest) * steps_);
+  }
   UKEMI_INLINE const T& longest_step() const { return longest_; }
   void stepped() {}
   /// Lanes at rest among `no_event`, by the rule of body_rest.hpp; the kinetic energy is checked first.

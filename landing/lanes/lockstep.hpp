@@ -34,6 +34,7 @@ namespace ukemi::landing {
 ///   finish(i, end)       reports the landing of lane i and starts the next
 ///   peak_raised(i)       called when the peak of lane i has increased
 ///   longest_step()       maximum steps of all lanes [s]
+///   given_up()           the lanes whose landings fail here, and may succeed in the scalar path
 ///   stepped()            called after accepted steps
 ///   breaking(where), resting(where), abandoned(where)  the lanes among `where` that break a limit; that are at rest;
 ///                        whose peak exceeds abandon_above
@@ -314,7 +315,7 @@ class Lockstep {
             rest = landing().resting(no_event);
     const M underflow = rejected_ & (h_next_ < T(4 * std::numeric_limits<double>::epsilon()) * max(step_.t, T(1e-10)));
     steps_ += select(active_, T(1.0), T(0.0));
-    const M failed = underflow | (active_ & (steps_ > T(double(max_steps_))));
+    const M failed = underflow | (active_ & ((steps_ > T(double(max_steps_))) | landing().given_up()));
     if (!any(event_ | at_deadline | abandoned | broken | rest | failed)) return;
     for (int i = 0; i < W; ++i) {
       if (!active_[i]) continue;

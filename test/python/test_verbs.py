@@ -283,6 +283,19 @@ def test_robots_of_links(hopper, tmp_path):
         ukemi.simulate(hopper, [motions["knee"]])
 
 
+def test_measured_drops_of_links(hopper, tmp_path):
+    drops = tmp_path / "drops.csv"
+    drops.write_text("height,phi_off_knee_deg\n0.3,0\n0.32,1\n0.29,-1\n")
+    played = ukemi.risk(hopper, {}, drops=drops)
+    assert played.peaks.samples == 3
+    same(played, tmp_path, "risk", HOPPER, "--drops", drops)
+    plan = ukemi.optimize(hopper, robust="worst", evaluations=500, drops=drops)
+    assert plan.value < 0.8 * plan.held_value
+    same(plan, tmp_path, "optimize", HOPPER, "--robust", "worst", "--evaluations", 500, "--drops", drops)
+    with pytest.raises(ukemi.InputError, match="scatter: beside drops"):
+        ukemi.risk(hopper, {}, drops=drops, scatter="height=0.1")
+
+
 def test_map_of_links(hopper, tmp_path):
     motions = {n: ukemi.Motion(*m, 0.3) for n, m in (("hip", (0.7, 1.0)), ("knee", (-1.4, -1.0)))}
     ukemi.save_motions(tmp_path / "slice.toml", hopper, motions)
