@@ -3,7 +3,8 @@
 // All motions have ended, no torque limit acts, and the energy that could still act
 //     E = kinetic energy without the common sliding of a free robot + kinetic energy of the motors
 //         + 1/2 a . M a / w^2,   a the accelerations at zero rates, w the softest_frequency: the unbalanced forces, as
-//           the energy of the softest spring that may still carry them
+//           the energy of the softest spring that may still carry them; or what they release, where that is less and
+//           the present posture is stable (restoring_energy)
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak, or
 // what steps leave unresolved; a free robot's centre of mass is also within its support, E is at most kBarrierShare of
 // the barrier to topple over either end, and it does not gain speed down a slope. Ours; test/legs/references.cpp
