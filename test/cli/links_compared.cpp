@@ -84,6 +84,15 @@ TEST_CASE("compare plans for scatter with both sets of a robot of links, judged 
   CHECK(plans[0]["set"] == "nominal");
   CHECK(plans[1]["truth"]["samples"] == 2048);
   CHECK(plans[1]["truth"]["mean"].get<double>() == Approx(plans[1]["promised"].get<double>()).epsilon(0.05));
+
+  f.write("drops.csv", "height\n0.3\n0.33\n0.28\n");
+  done(f, {"compare", "--scene", kHopper, "--nominal", "hip=softer.toml", "--identified", "hip=fit.toml", "--robust",
+           "mean", "--drops", "drops.csv", "--evaluations", "800", "--no-report", "-o", "measured"});
+  const Json of_measured = summary(f, "measured")["plans"];
+  REQUIRE(of_measured.size() == 2);  // no covariance scatters them
+  CHECK(of_measured[1]["truth"]["samples"] == 3);
+  CHECK(of_measured[1]["truth"]["mean"].get<double>() ==
+        Approx(of_measured[1]["promised"].get<double>()).epsilon(1e-6));
 }
 
 TEST_CASE("compare of a robot of links refuses what is no drive of it, in one line") {
@@ -97,7 +106,10 @@ TEST_CASE("compare of a robot of links refuses what is no drive of it, in one li
   refused({"--nominal", "hip=softer.toml", "--identified", kTable2}, {"--identified: ", "JOINT=FILE is needed"});
   refused({"--nominal", "hip=none.toml", "--identified", "hip=" + kTable2}, {"none.toml"});
   refused(both + Arguments{"--trials", "a.csv", "--rig", "b.toml"}, {"--trials, --rig: ", "leave --scene out"});
-  refused(both + Arguments{"--robust", "mean", "--drops", "a.csv"}, {"--drops: ", "compare, map"});
+  refused(both + Arguments{"--robust", "mean", "--drops", "a.csv"}, {"a.csv"});
+  f.write("drops.csv", "height\n0.3\n");
+  refused(both + Arguments{"--robust", "mean", "--drops", "drops.csv", "--scatter", "height=0.1"},
+          {"--scatter", "--drops"});
   refused(both + Arguments{"--evaluations", "0"}, {"evaluations: 0: 1 to"});
   check_refused(f, {"compare", "--nominal", "softer.toml", "--nominal", "softer.toml", "--identified", kTable2},
                 {"--nominal: ", "one file is needed"});

@@ -39,15 +39,19 @@ std::vector<ConstantDifference> drive_differences(const PerSet<BodyScene>& scene
 /// Appends the plans for drops that scatter; false where one could not be found or was stopped.
 bool compare_plans(const PerSet<BodyScene>& scenes, const BodyComparisonOptions& options,
                    std::vector<ComparedBodyPlan>& plans) {
-  const Scatter scatter = scatter_for(options.search.scatter, scenes[1]);
+  const bool drawn = !options.measured[1];
   BodyPlanOptions search = options.search;
+  search.scatter = scatter_for(options.search.scatter, scenes[1]);
   const std::vector<BodyDrop> drops =
-      BodyDropModel(scenes[1], scatter, {.inflate = 0}).independent(search.fresh, fresh_seed(search.seed));
-  search.scatter = scatter, search.fresh = 0;  // evaluated on the drops of the identified set below
-  for (std::size_t n = 0; n < (scenes[1].robot.fitted() ? 3 : 2); ++n) {
+      drawn
+          ? BodyDropModel(scenes[1], *search.scatter, {.inflate = 0}).independent(search.fresh, fresh_seed(search.seed))
+          : *options.measured[1];
+  search.fresh = 0;  // evaluated on the drops of the identified set below
+  for (std::size_t n = 0; n < (drawn && scenes[1].robot.fitted() ? 3 : 2); ++n) {
     const std::string set = planned_with(n);
     if (options.monitor) search.monitor = options.monitor("robust, " + set);
     search.inflate = n == 2 ? options.search.inflate : 0;
+    search.measured = options.measured[std::min<std::size_t>(n, 1)];
     BodyPlan best = plan(scenes[std::min<std::size_t>(n, 1)], search);
     if (!best.found || search.monitor.stopped()) return false;
     constexpr double kAccuracy = 1e-6;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,8 @@ struct BodyComparisonOptions {
   landing::BodyPlanOptions search;                     ///< with a measure also plans for drops that scatter
   std::function<Monitor(const std::string&)> monitor;  ///< of the search with the set of the given name
   double rate = 1000;                                  ///< rows of the trajectories a second [Hz]
+  /// Drops as they were measured, with the drives of each set, instead of drawn ones; as BodyPlanOptions::measured.
+  PerSet<std::shared_ptr<const std::vector<landing::BodyDrop>>> measured;
 };
 
 /// Throws InputError where the scenes differ in a design number other than of a drive, or in a variable of the search.

@@ -309,17 +309,13 @@ int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
   return report(checked, beside ? held_landing(checked, rate) : std::nullopt, a.exports, run);
 }
 
-namespace {
-
-/// The drops of --drops; empty without it.
-std::vector<BodyDrop> measured_drops(const ScatterArguments& a, const BodyScene& scene, Run& run) {
-  if (a.drops.empty()) return {};
+std::shared_ptr<const std::vector<BodyDrop>> measured_drops(const ScatterArguments& a, const BodyScene& scene,
+                                                            Run& run) {
+  if (a.drops.empty()) return nullptr;
   a.check_measured();
   run.input(a.drops);
-  return read_drops(a.drops, scene);
+  return std::make_shared<const std::vector<BodyDrop>>(read_drops(a.drops, scene));
 }
-
-}  // namespace
 
 BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
@@ -341,8 +337,7 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
   if (a.share && !(*a.share > 0 && *a.share <= 1))
     throw InputError(fmt::format("--share: {}: above 0 to 1 is needed", *a.share));
   out.share = a.share;
-  if (!a.scatter.drops.empty())
-    out.measured = std::make_shared<const std::vector<BodyDrop>>(measured_drops(a.scatter, scene, run));
+  out.measured = measured_drops(a.scatter, scene, run);
   out.scatter = scatter_of(a.scatter), out.inflate = inflate_of(a.scatter, scene, run);
   out.seed = common.seed, out.threads = common.threads;
   out.validate();
@@ -391,7 +386,7 @@ int risk_body(const RiskArguments& a, const CommonOptions& common) {
   const BodyMotion motion = motion_of(scene, a.motion, run);
   BodyRiskOptions options;
   options.samples = samples_of(a);
-  options.measured = measured_drops(a.scatter, scene, run);
+  if (const auto drops = measured_drops(a.scatter, scene, run)) options.measured = *drops;
   options.scatter = scatter_of(a.scatter);
   options.drops = {.inflate = inflate_of(a.scatter, scene, run),
                    .inexact = a.execution == RiskArguments::Execution::kInexact};

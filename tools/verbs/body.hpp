@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -54,6 +55,9 @@ void keep_ratings(landing::BodyScene& scene, Run& run);
 /// Search options: goal, effort, scatter, seed and threads; without deadline, rate and monitor.
 landing::BodyPlanOptions plan_options(const OptimizeArguments& arguments, const CommonOptions& common,
                                       const landing::BodyScene& scene, Run& run);
+/// The drops of --drops; null without it. Throws InputError where what draws drops is given too.
+std::shared_ptr<const std::vector<landing::BodyDrop>> measured_drops(const ScatterArguments& arguments,
+                                                                     const landing::BodyScene& scene, Run& run);
 /// Parse --scatter, and check --inflate.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
 double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& scene, Run& run);

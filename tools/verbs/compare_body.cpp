@@ -25,8 +25,9 @@ PerSet<BodyScene> scenes_of(const CompareArguments& a, Run& run) {
   return out;
 }
 
-BodyComparisonOptions options_of(const CompareArguments& a, const BodyScene& scene, const CommonOptions& common,
-                                 Run& run) {
+BodyComparisonOptions options_of(const CompareArguments& a, const PerSet<BodyScene>& scenes,
+                                 const CommonOptions& common, Run& run) {
+  const BodyScene& scene = scenes[1];
   BodyComparisonOptions out;
   out.search.evaluations = a.evaluations;
   out.search.seed = common.seed, out.search.threads = common.threads;
@@ -34,6 +35,7 @@ BodyComparisonOptions options_of(const CompareArguments& a, const BodyScene& sce
     out.search.measure = Measure::parse("--robust", *a.robust);
     out.search.scatter = scatter_of(a.scatter), out.search.inflate = inflate_of(a.scatter, scene, run);
     (void)BodyDropModel(scene, scatter_for(out.search.scatter, scene));  // refuses numbers that this base does not have
+    for (std::size_t set : {0, 1}) out.measured[set] = measured_drops(a.scatter, scenes[set], run);
   }
   out.search.validate();
   out.monitor = [&run](const std::string& set) { return run.monitor("optimize, " + set, "motions"); };
@@ -49,13 +51,12 @@ int compare_body(const CompareArguments& a, const CommonOptions& common) {
         "--trials, --rig: they are of one actuator: leave --scene out; with a robot of links compare plans and plays "
         "its "
         "landings");
-  refuse(!a.scatter.drops.empty(), "--drops");
   const PerSet<BodyScene> scenes = scenes_of(a, run);
   for (std::size_t i = 0; i < scenes[0].robot.joints.size(); ++i) {
     const Joint &nominal = scenes[0].robot.joints[i], &identified = scenes[1].robot.joints[i];
     warn_of_feedback(nominal.sea.feedback, identified.sea.feedback, nominal.name + ": ", run);
   }
-  const BodyComparisonOptions options = options_of(a, scenes[1], common, run);
+  const BodyComparisonOptions options = options_of(a, scenes, common, run);
   const PerSet<std::string> names = {fmt::format("{}", fmt::join(a.nominal, ", ")),
                                      fmt::format("{}", fmt::join(a.identified, ", "))};
   return report(compare(scenes, options), names, run);
