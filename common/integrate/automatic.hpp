@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/integrate/rosenbrock.hpp"
+#include "common/integrate/tableaus.hpp"
 
 namespace ukemi::integrate {
 
@@ -21,6 +22,10 @@ struct Automatic {
   static constexpr int kStiffSteps = 100, kNonstiffSteps = 6, kTrialSteps = 3, kReturnSteps = 20;
   static constexpr double kImplicitCost = 10;  ///< of an implicit step, in explicit ones
 };
+
+/// The methods of landings, for accuracies of 1e-7 and looser, and for finer ones.
+using LowOrder = Automatic<DormandPrince54, Rodas5P>;
+using HighOrder = Automatic<DormandPrince853, Rodas5P>;
 
 template <class Method, int N, int kCoupled>
 class AutomaticStep : public Step<typename Method::Explicit, double, N> {

@@ -8,12 +8,11 @@ namespace ukemi::landing {
 
 template <Capacity kSize>
 BodyLanding peak_in_kernel(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options) {
-  using integrate::Automatic, integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
   BodyLanding out;
   if (options.accuracy >= kLowOrder)
-    BodyFollower<Automatic<DormandPrince54, Rodas5P>, kSize, false>(scene, motion, options, out, 0).follow();
+    BodyFollower<integrate::LowOrder, kSize, false>(scene, motion, options, out, 0).follow();
   else
-    BodyFollower<Automatic<DormandPrince853, Rodas5P>, kSize, false>(scene, motion, options, out, 0).follow();
+    BodyFollower<integrate::HighOrder, kSize, false>(scene, motion, options, out, 0).follow();
   return out;
 }
 template BodyLanding peak_in_kernel<UKEMI_KERNEL>(const BodyScene&, const BodyMotion&, const SimulateOptions&);

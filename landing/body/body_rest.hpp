@@ -108,9 +108,10 @@ double softest_frequency(const System& s) {
 
 /// Energy that generalised forces Q out of balance release, 1/2 Q . K^-1 Q, with K the symmetric part of -dQ/dq at zero
 /// rates. Nothing where forces follow more than positions (dry friction, sliding contacts), or where K does not hold
-/// the robot: it is not positive definite. `still`: a state at zero rates.
+/// the robot: it is not positive definite. `still`: a state at zero rates; `rate`: the field there.
 template <class System>
-std::optional<double> restoring_energy(const System& s, double t, const typename System::State& still) {
+std::optional<double> restoring_energy(const System& s, double t, const typename System::State& still,
+                                       const typename System::State& rate) {
   constexpr double kStep = 1e-7;  // of a difference [m], [rad]
   constexpr std::size_t n = System::kPositions;
   using Forces = std::array<double, n>;
@@ -128,8 +129,7 @@ std::optional<double> restoring_energy(const System& s, double t, const typename
   };
   std::array<double, System::kB + 1> unused{};
   const MassMatrix<double, System::kSize> mass(s.body, s.pose(still), unused);
-  const auto forces = [&](const typename System::State& y) {  // M ddq; at rest Q is small, and so is what M changes
-    const auto dy = s.derivative(t, y);
+  const auto forces = [&](const typename System::State& dy) {  // M ddq; at rest Q is small, and so is what M changes
     Forces out{};
     const auto add = [&](int i, int k, double m) {
       out[std::size_t(i)] += m * dy[k + System::kPositions];
@@ -144,7 +144,7 @@ std::optional<double> restoring_energy(const System& s, double t, const typename
       add(System::kPhiM + i, System::kPhiM + i, s.drive[std::size_t(i)].sea.i_motor);
     return out;
   };
-  Forces q = forces(still);
+  Forces q = forces(rate);
   Symmetric<double, int(n)> stiffness;
   for (int j = 0; j < int(n); ++j) {
     if (!counts(j)) {
@@ -153,7 +153,7 @@ std::optional<double> restoring_energy(const System& s, double t, const typename
     }
     auto moved = still;
     moved[j] += kStep;
-    const Forces there = forces(moved);
+    const Forces there = forces(s.derivative(t, moved));
     for (int i = 0; i < int(n); ++i)
       if (counts(i))
         stiffness.m[std::size_t(std::max(i, j))][std::size_t(std::min(i, j))] +=
@@ -206,7 +206,7 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
     for (int i = 0; i < s.body.joints; ++i)
       out += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
     return std::min(out / (frequency * frequency),
-                    restoring_energy(at_standstill, t, still).value_or(std::numeric_limits<double>::infinity()));
+                    restoring_energy(at_standstill, t, still, dy).value_or(std::numeric_limits<double>::infinity()));
   };
   energy += unbalanced_energy();
   if constexpr (System::kWork > System::kLag)  // torques still on their way in late drives

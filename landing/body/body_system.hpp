@@ -384,7 +384,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
     [[maybe_unused]] T power(0);  // on the links
     for (int i = 0; i < kSlips; ++i) dy[kSlip + i] = T(0);
     for (int i = 0; i < kC; ++i) {
-      if (i >= body.contacts) break;
+      if (i >= body.contacts) break;  // a constant bound is unrolled
       const auto& m = contact[i];
       if (!any(m.touching)) continue;
       const Point at = point_at(i, p);
@@ -522,7 +522,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
                       integrate::Guards<kGuards, G>& out) const {
     for (int i = 0; i < kC; ++i) {
-      if (i >= body.contacts) break;
+      if (i >= body.contacts) break;  // a constant bound is unrolled
       if constexpr (!kIsPack<T>)
         if (!contact[i].touching) {  // its guard needs no acceleration
           surface_guard(i, point_at(i, p), out);

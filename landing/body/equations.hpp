@@ -87,9 +87,7 @@ auto in_gradient_kernel(const Robot& robot, F&& f) {
 }
 template <class F>
 auto in_peak_kernel(const Robot& robot, F&& f) {
-  if (fits(robot, kPlainPair)) return f.template operator()<kPlainPair>();
-  if (fits(robot, kPlainTriple)) return f.template operator()<kPlainTriple>();
-  return in_gradient_kernel(robot, f);
+  return in_kernel<kPlainPair, kPlainTriple, kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
 }
 
 /// A number of bodies or joints: a constant expression where the kernel is exact.

@@ -8,9 +8,8 @@ namespace ukemi::landing {
 template <Capacity kSize>
 BodyLanding report_in_kernel(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options,
                              double rate) {
-  using Steps = integrate::Automatic<integrate::DormandPrince853, integrate::Rodas5P>;
   BodyLanding out;
-  BodyFollower<Steps, kSize, true>(scene, motion, options, out, rate).follow();
+  BodyFollower<integrate::HighOrder, kSize, true>(scene, motion, options, out, rate).follow();
   return out;
 }
 template BodyLanding report_in_kernel<UKEMI_KERNEL>(const BodyScene&, const BodyMotion&, const SimulateOptions&,

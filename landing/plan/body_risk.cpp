@@ -128,13 +128,14 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
 BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyRiskOptions& options) {
   options.validate(), validate(scene.robot, motion);
   BodyRisk out;
-  const bool drawn = options.measured.empty();
+  const bool drawn = !options.measured;
   if (drawn) out.scatter = scatter_for(options.scatter, scene);
   out.assumed = drawn && !options.scatter && !scene.scatter;
   out.events = events_of(scene);
   BodyScene bare = scene;
   bare.loads.clear();
-  std::vector<BodyDrop> measured = options.measured;
+  std::vector<BodyDrop> measured;
+  if (!drawn) measured = *options.measured;
   for (BodyDrop& d : measured) d.scene.loads.clear();
   const BodyDropModel model =
       drawn ? BodyDropModel(bare, *out.scatter, options.drops) : BodyDropModel::measured(bare, measured);

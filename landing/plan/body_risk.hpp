@@ -1,6 +1,7 @@
 // Risk of a motion of a robot of links over scattered drops, compared with the held posture.
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "landing/judge/risk.hpp"
@@ -12,7 +13,7 @@ struct BodyRiskOptions {
   long samples = 10'000;           ///< number of drops: scrambled Sobol points; 1 to 10,000,000
   std::optional<Scatter> scatter;  ///< see scatter_for
   BodyDropModel::Options drops;
-  std::vector<BodyDrop> measured;  ///< played instead of drawn ones, if not empty
+  std::shared_ptr<const std::vector<BodyDrop>> measured;  ///< played instead of drawn ones
   std::uint64_t seed = 1;
   int threads = 0;        ///< 0: all cores; without influence on the results
   Monitor monitor;        ///< progress in landings; a result that it stops covers the drops played until then

@@ -6,18 +6,14 @@
 
 namespace ukemi::landing {
 
-using integrate::Automatic, integrate::DormandPrince54, integrate::DormandPrince853, integrate::Rodas5P;
-using LowOrder = Automatic<DormandPrince54, Rodas5P>;
-using HighOrder = Automatic<DormandPrince853, Rodas5P>;
-
 template <bool kReport>
 void dispatch(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
               const SimulateOptions& options, LandingPeak& out, Landing* landing, double rate) {
   const auto with = [&]<LandingTerms kTerms>() {
     if (step_accuracy(options.accuracy, sea) >= kLowOrder)
-      Follower<LowOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
+      Follower<integrate::LowOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
     else
-      Follower<HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
+      Follower<integrate::HighOrder, kTerms, kReport>(scene, sea, motion, options, out, landing, rate).follow();
   };
   if (is_late(sea))
     with.template operator()<kLateTerms>();

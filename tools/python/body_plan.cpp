@@ -16,12 +16,12 @@ using namespace landing;
 
 namespace {
 
-/// The drops of a file; empty without one.
-std::vector<BodyDrop> measured_drops(const std::optional<Path>& file, const BodyScene& scene,
-                                     const std::optional<std::string>& scatter, double inflate) {
-  if (!file) return {};
+/// The drops of a file; null without one.
+std::shared_ptr<const std::vector<BodyDrop>> measured_drops(const std::optional<Path>& file, const BodyScene& scene,
+                                                            const std::optional<std::string>& scatter, double inflate) {
+  if (!file) return nullptr;
   check_measured(scatter, inflate);
-  return read_drops(*file, scene);
+  return std::make_shared<const std::vector<BodyDrop>>(read_drops(*file, scene));
 }
 
 struct BodyOptimum {
@@ -102,9 +102,7 @@ void bind_body_optimize(py::module_& m) {
         const BodyScene limited = with_limits(scene, forbidden, ratings);
         BodyPlanOptions options =
             plan_options(limited, seed, objective, evaluations, robust, scatter, inflate, samples, threads);
-        if (drops)
-          options.measured =
-              std::make_shared<const std::vector<BodyDrop>>(measured_drops(drops, limited, scatter, inflate));
+        options.measured = measured_drops(drops, limited, scatter, inflate);
         options.deadline = deadline, options.rate = checked_rate(rate), options.share = share;
         return planned(limited, options);
       },

@@ -386,7 +386,7 @@ int risk_body(const RiskArguments& a, const CommonOptions& common) {
   const BodyMotion motion = motion_of(scene, a.motion, run);
   BodyRiskOptions options;
   options.samples = samples_of(a);
-  if (const auto drops = measured_drops(a.scatter, scene, run)) options.measured = *drops;
+  options.measured = measured_drops(a.scatter, scene, run);
   options.scatter = scatter_of(a.scatter);
   options.drops = {.inflate = inflate_of(a.scatter, scene, run),
                    .inexact = a.execution == RiskArguments::Execution::kInexact};

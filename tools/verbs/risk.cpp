@@ -24,15 +24,6 @@ using namespace landing;
 
 namespace {
 
-/// Throws InputError where options for drawn drops are given with --drops.
-void check_measured(const RiskArguments& a) {
-  const char* given = a.execution == RiskArguments::Execution::kInexact ? "--inexact"
-                      : a.samples                                       ? "--samples"
-                                                                        : nullptr;
-  if (given && !a.scatter.drops.empty())
-    throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
-}
-
 RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, const Run& run) {
   RiskOptions out;
   out.samples = samples_of(a);
@@ -44,7 +35,8 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
 }
 
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
-  check_measured(a);
+  a.scatter.refuse_beside_drops(a.execution == RiskArguments::Execution::kInexact, "--inexact");
+  a.scatter.refuse_beside_drops(a.samples.has_value(), "--samples");
   if (is_of_links(a.scene)) return risk_body(a, common);
   refuse_set(a.set);
   Run run(kRiskOutputs, common);

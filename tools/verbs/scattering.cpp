@@ -24,9 +24,11 @@ void add_drops(CLI::App& verb, ScatterArguments& a) {
   verb.add_option("--drops", a.drops, "CSV file of drops as they were measured, in place of drawn ones");
 }
 void ScatterArguments::check_measured() const {
-  const char* given = scatter ? "--scatter" : inflate ? "--inflate" : nullptr;
+  refuse_beside_drops(scatter.has_value(), "--scatter"), refuse_beside_drops(inflate.has_value(), "--inflate");
+}
+void ScatterArguments::refuse_beside_drops(bool given, const char* option) const {
   if (given && !drops.empty())
-    throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", given));
+    throw InputError(fmt::format("{}: beside --drops it has no effect: the drops come as they were measured", option));
 }
 
 double checked_inflate(const ScatterArguments& a) {

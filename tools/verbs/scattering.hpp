@@ -15,7 +15,9 @@ struct ScatterArguments {
   std::optional<std::string> scatter;  ///< NAME=STD,...
   std::optional<double> inflate;
   std::string drops;  ///< file of measured drops
-  /// Throws InputError where options for drawn drops are given with --drops.
+  /// Throws InputError where `option`, which is for drawn drops, is given beside --drops.
+  void refuse_beside_drops(bool given, const char* option) const;
+  /// The same of --scatter and --inflate.
   void check_measured() const;
 };
 /// Adds --scatter and --inflate.
