@@ -51,8 +51,6 @@ class BodyCourse {
   const Joint& joint_of(int i) const { return scene_.robot.joints[std::size_t(system.body.joint[i].joint)]; }
   bool driven(int i) const { return joint_of(i).driven(); }
   bool touched() const { return first_touchdown_ < kNever; }
-  double first_touchdown() const { return first_touchdown_; }
-  int first_contact() const { return first_contact_; }
   /// The first touchdown has happened, the landing motions have not started.
   bool detecting() const { return detection_ < kNever; }
   /// Time limit of the run [s], and whether it moves with the first touchdown.
@@ -150,7 +148,7 @@ class BodyCourse {
     out.surface = event < System::kJointGuards && event % System::kGuardsPerContact == System::kSurface &&
                   !system.is_stop(event / System::kGuardsPerContact);
     if (out.touched < 0 || touched()) return out;
-    first_touchdown_ = value_of(t), first_contact_ = out.touched;
+    first_touchdown_ = value_of(t);
     if (!scene_.t_end) t_limit_ = first_touchdown_ + Scene::kFollow;
     detection_ = first_touchdown_ + scene_.detection_delay;
     out.lands = scene_.detection_delay == 0;
@@ -247,7 +245,6 @@ class BodyCourse {
   const BodyScene& scene_;
   std::array<double, kSize.joints> reposition_deadline_{}, motion_end_{};
   double t_limit_ = kNever, first_touchdown_ = kNever, detection_ = kNever, max_step_ = kNever;
-  int first_contact_ = -1;
 };
 
 }  // namespace ukemi::landing

@@ -18,6 +18,7 @@ class BodyFollower {
   using Course = BodyCourse<kSize, kReport>;
   using System = typename Course::System;
   using State = typename System::State;
+  static_assert(kMaxContacts <= ContactOrder::kMaxPoints);
 
   template <class Recorded>
   BodyFollower(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options, BodyLanding& out,
@@ -45,7 +46,6 @@ class BodyFollower {
     for (long n = 0; !end; ++n) end = advance(integrator, n);
     out_.end = *end, out_.t_end = t_, out_.work = integrator.counters();
     out_.peak = std::sqrt(peak_.square), out_.t_peak = peak_.t;
-    out_.first_touchdown = course_.first_touchdown(), out_.first_contact = course_.first_contact();
     const State& last = integrator.state();
     const bool free = scene_.robot.base == Base::kFree;
     out_.base = {last[System::kX], free ? last[System::kY] : 0},
@@ -69,7 +69,10 @@ class BodyFollower {
     if (n >= options_.max_steps) return fail(Failure::kSteps);
     if (outcome.status > integrate::Status::kEvent) return fail(Failure::kIntegration);
     if (!outcome.immediate && integrator.step().h > 0) {
+      const double before = peak_.square;
       if (!peak_.step(system_, integrator)) return fail(Failure::kUnresolved);
+      if (peak_.square != before) out_.peak_contact = out_.contacts.size() - 1;
+      out_.joint_lost = out_.joint_lost || any(system_.lost_joint(integrator.state()));
       if (spring_gave_way(integrator.state())) return fail(Failure::kGivesWay);
       if constexpr (kReport) recorder_.step(system_, integrator);
       if (loads_) update_loads(integrator);
@@ -127,9 +130,13 @@ class BodyFollower {
     const typename Course::Crossing crossing = course_.cross(event, t_, y);
     const int touched = crossing.touched;
     integrator.refresh(y);
-    if (loads_ && crossing.surface) {
-      touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(event / System::kGuardsPerContact, t_);
-      check_limits();
+    if (crossing.surface) {
+      const int lifted = event / System::kGuardsPerContact;
+      touched >= 0 ? out_.contacts.touchdown(touched, t_) : out_.contacts.liftoff(lifted, t_);
+      if (loads_) {
+        touched >= 0 ? loads_->touchdown(touched, t_) : loads_->liftoff(lifted, t_);
+        check_limits();
+      }
     }
     if (crossing.lands) land();
     jump(integrator);

@@ -12,12 +12,12 @@
 
 namespace ukemi::landing {
 
-/// CRTP base of BodySystem, whose mode and robot it uses; T is the scalar.
-template <class System, int kJoints, class T>
+/// CRTP base of BodySystem, whose mode and robot it uses; T is the scalar. kRail: the base may be on a rail.
+template <class System, int kJoints, bool kRail, class T>
 class BodyFriction {
  public:
   /// Place of a joint's side: kSides * joint + side.
-  static constexpr int kRailPlace = kSides * kJoints, kPlaces = kRailPlace + 1;
+  static constexpr int kRailPlace = kSides * kJoints, kPlaces = kRailPlace + kRail;
   /// Guards of a place: the end of a slip, or breaking loose forward and back.
   static constexpr int kGuardsPerPlace = 2;
   using Lane = typename MaskOf<T>::type;
@@ -92,7 +92,7 @@ class BodyFriction {
   }
   template <class Time, class State>
   void settle(const Time& t, State& y) {
-    if constexpr (!System::kPlain) settle_with([&](const State& at) { return system().holds(t, at); }, y);
+    if constexpr (!System::kPlainDrives) settle_with([&](const State& at) { return system().holds(t, at); }, y);
   }
   /// Stuck places that friction cannot hold start to slip, the most overloaded first; the others get a rate of 0.
   template <class State, class HoldsOf>
@@ -115,7 +115,7 @@ class BodyFriction {
   }
   template <class Time, class State>
   void hold_or_slip(const Time& t, State& y) {
-    if constexpr (!System::kPlain) hold_or_slip_with([&](const State& at) { return system().holds(t, at); }, y);
+    if constexpr (!System::kPlainDrives) hold_or_slip_with([&](const State& at) { return system().holds(t, at); }, y);
   }
   /// Every place with friction sticks that friction can hold.
   template <class Time, class State>

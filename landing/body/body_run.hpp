@@ -40,8 +40,6 @@ struct LoadPeak {
 
 /// A landing. peak_acceleration leaves touches, peaks, demands, trajectory and energy_residual empty.
 struct BodyLanding : RunEnd {
-  double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
-  int first_contact = -1;                 ///< of Robot::contacts, that touches first; -1: none
   BrokenLimit broken;                     ///< the first broken limit, if any
   std::vector<LoadPeak> loads;            ///< of BodyScene::loads
   std::vector<Touch> touches;             ///< in order of touchdown

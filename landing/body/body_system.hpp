@@ -11,6 +11,7 @@
 #include "landing/body/joint.hpp"
 #include "landing/model/motion.hpp"
 #include "landing/model/two_link.hpp"
+#include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
 
@@ -28,12 +29,14 @@ struct BodyModeOf {
 };
 
 template <Capacity kCapacity, bool kAccounts = false, Scalar T = double>
-class BodySystem : public BodyModeOf<kCapacity, T>::type,
-                   public BodyFriction<BodySystem<kCapacity, kAccounts, T>, kCapacity.joints, T> {
+class BodySystem
+    : public BodyModeOf<kCapacity, T>::type,
+      public BodyFriction<BodySystem<kCapacity, kAccounts, T>, kCapacity.joints, !kCapacity.straight(), T> {
  public:
   static constexpr Capacity kSize = kCapacity;
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
-  static constexpr bool kPlain = kSize.plain;  ///< only robots of is_plain
+  static constexpr bool kPlain = kSize.straight(),           ///< only robots of has_plain_links
+      kPlainDrives = kSize.plain == Plain::kLinksAndDrives;  ///< and of has_plain_drives
   static constexpr int kSlips = kPlain ? 0 : kC;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
   enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
@@ -43,9 +46,9 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   /// Guards of each contact, of each joint, and, if there is dry friction (`guards_used`), of each place of it.
   enum { kSurface, kFloorForce, kPadForce, kBottom, kSlideUp, kSlideDown, kGuardsPerContact = kPlain ? kPadForce : 6 };
   enum { kUpper, kLower, kGuardsPerJoint };
-  using Friction = BodyFriction<BodySystem, kJ, T>;
+  using Friction = BodyFriction<BodySystem, kJ, !kSize.straight(), T>;
   static constexpr int kJointGuards = kGuardsPerContact * kC, kFrictionGuards = kJointGuards + kGuardsPerJoint * kJ,
-                       kGuards = kFrictionGuards + (kPlain ? 0 : Friction::kGuardsPerPlace * Friction::kPlaces),
+                       kGuards = kFrictionGuards + (kPlainDrives ? 0 : Friction::kGuardsPerPlace * Friction::kPlaces),
                        kControlled = kWork;
   using State = Eigen::Matrix<T, kStates, 1>;
   using Pose = TreePose<T, kB>;
@@ -55,7 +58,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   using typename Friction::Lane, typename Friction::PlaceHolds;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
   using GuardValues = integrate::Guards<kGuards, Value>;
-  static constexpr SeaTerms kSea{true, true}, kPlainSea{true, false};
+  static constexpr SeaTerms kPlainSea{true, false}, kSea{true, !kPlainDrives};
 
   BodySystem() = default;  ///< without a robot: lanes are set one by one
   BodySystem(const Robot& robot, double slope)
@@ -78,12 +81,13 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   /// Sets `has_friction`: where there is dry friction, or derivatives by it.
   void find_dry_friction() {
     rail_has_friction = body.base == Base::kRail && any(present(rail_friction) | present(rail_load_friction));
-    has_friction = rail_has_friction;
+    has_friction = links_may_stick = rail_has_friction;
     for (int i = 0; i < body.joints; ++i) {
       const SeaParameters<T>& sea = drive[i].sea;
       const bool motor = any(present(sea.friction) | present(sea.spring_loss)),
                  elastic = drive[i].kind == DriveKind::kElastic;
       drive[i].has_friction = {elastic ? any(present(sea.output_friction)) : motor, elastic && motor};
+      links_may_stick = links_may_stick || drive[i].has_friction[kOutputSide];
       has_friction = has_friction || drive[i].has_friction[kOutputSide] || drive[i].has_friction[kMotorSide];
     }
   }
@@ -98,7 +102,8 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   /// Copies everything that is not a number of T.
   template <bool kOther, class U>
   void copy_structure(const BodySystem<kSize, kOther, U>& o) {
-    links = o.links, has_friction = o.has_friction, rail_has_friction = o.rail_has_friction, shaped = o.shaped;
+    links = o.links, has_friction = o.has_friction, rail_has_friction = o.rail_has_friction;
+    links_may_stick = o.links_may_stick, shaped = o.shaped;
     body.copy_structure(o.body);
     for (std::size_t i = 0; i < point.size(); ++i) point[i].copy_structure(o.point[i]);
     for (std::size_t i = 0; i < drive.size(); ++i) drive[i].copy_structure(o.drive[i]);
@@ -138,6 +143,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
 
   int links = 0;                                         ///< of the robot; links joined by locked joints share a body
   bool has_friction = false, rail_has_friction = false;  ///< dry friction anywhere; along the rail
+  bool links_may_stick = false;                          ///< dry friction along the rail or at the output of a joint
   Body<T, kSize> body;
   std::array<T, 2> gravity{};  ///< in the floor's frame
   T rail_viscous{0}, rail_friction{0}, rail_load_friction{0};
@@ -165,11 +171,11 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   bool is_free() const { return kPlain || body.base == Base::kFree; }
   /// The kind of a moving joint, and whether its drive has terms beyond Eq. 2-4.
   DriveKind kind(int i) const { return kPlain ? DriveKind::kElastic : drive[i].kind; }
-  bool extended(int i) const { return !kPlain && drive[i].extended; }
+  bool extended(int i) const { return !kPlainDrives && drive[i].extended; }
 
   /// The bodies of a moving joint; parent -1: the ground.
   int child_of(int i) const { return kPlain ? i + 1 : body.joint[i].child; }
-  int parent_of(int i) const { return kPlain && i == 0 ? 0 : body.joint[i].parent; }
+  int parent_of(int i) const { return kPlain && (kJ == 1 || i == 0) ? 0 : body.joint[i].parent; }
 
   /// Joint angle and rate, and those of the motor.
   SeaState<T> joint_state(int i, const State& y) const {
@@ -178,6 +184,15 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
     if constexpr (!kPlain) phi += T(body.joint[i].offset);
     if (parent < 0) return {phi, y[kPhiM + i], y[kOmega + child], y[kOmegaM + i]};
     return {phi - y[kTheta + parent], y[kPhiM + i], y[kOmega + child] - y[kOmega + parent], y[kOmegaM + i]};
+  }
+
+  /// Whether |phi| of a driven joint is beyond kLostJoint.
+  Lane lost_joint(const State& y) const {
+    using std::abs;
+    Lane out(false);
+    for (int i = 0; i < body.joints; ++i)
+      if (kind(i) != DriveKind::kPassive) out = out | (abs(joint_state(i, y).phi) > T(kLostJoint));
+    return out;
   }
 
   template <class Time>
@@ -209,7 +224,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   std::array<T, kJ> torques(const Time& t, const State& y) const {
     std::array<T, kJ> out{};
     for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
-    if constexpr (kPlain) return out;
+    if constexpr (kPlainDrives) return out;
     if (!has_friction || !any(this->any_stuck())) return out;
     const PlaceHolds hold = holds(t, y);
     for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
@@ -276,13 +291,12 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
     } else {
       out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
     }
-    if (!kPlain && d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
+    if (!kPlainDrives && d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
     return out;
   }
   /// Torque of the spring of an elastic drive in its mode [Nm].
   UKEMI_INLINE T elastic_torque(int i, const SeaState<T>& s) const {
-    constexpr SeaTerms kTerms = kPlain ? kPlainSea : kSea;
-    return limited_torque<kTerms>(drive[i].sea, spring_torque<kTerms>(drive[i].sea, s), joint[i].saturation);
+    return limited_torque<kSea>(drive[i].sea, spring_torque<kSea>(drive[i].sea, s), joint[i].saturation);
   }
   template <class Time>
   T geared_torque(int i, const Time& t, const SeaState<T>& s) const {
@@ -407,8 +421,9 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
       dy[kOmegaM + i] = motor;
     }
     T along_rail(0);
-    const Accelerations acc = !kPlain && has_friction && !stick ? accelerations_with_sticking(p, load, y, along_rail)
-                                                                : accelerations(p, load, y, along_rail, stick);
+    const Accelerations acc = !kPlainDrives && links_may_stick && !stick
+                                  ? accelerations_with_sticking(p, load, y, along_rail)
+                                  : accelerations(p, load, y, along_rail, stick);
     if constexpr (kAccounts) power += along_rail * y[kVx];
     dy[kX] = y[kVx], dy[kY] = y[kVy];
     if (is_free())
@@ -513,7 +528,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
     const Accelerations acc = accelerations_of(dy);
     contact_guards(p, acc, y, dy, out);
     for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
-    if constexpr (!kPlain)
+    if constexpr (!kPlainDrives)
       if (has_friction) [[unlikely]]
         this->friction_guards(kFrictionGuards, t, y, dy, out);
   }
@@ -587,9 +602,8 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
     const T ddphi = dy[kOmega + child_of(i)] - (parent < 0 ? T(0) : T(dy[kOmega + parent]));
     T tau, rate;
     if (kind(i) == DriveKind::kElastic) {
-      constexpr SeaTerms kTerms = kPlain ? kPlainSea : kSea;
-      tau = spring_torque<kTerms>(d.sea, s);
-      rate = spring_torque_rate<kTerms>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
+      tau = spring_torque<kSea>(d.sea, s);
+      rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
     } else {
       constexpr double kStep = 1e-7;  // for the reference's acceleration by a difference [s]
       const Reference<T> r = reference(i, t), next = reference(i, t + Time(kStep));
@@ -628,7 +642,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   StickConstraints<T, kSize> stick_constraints() const {
     StickConstraints<T, kSize> out;
     for (int i = 0; i < body.joints; ++i) out.held[i] = stuck(i, kOutputSide);
-    out.held[StickConstraints<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
+    if constexpr (!kPlain) out.held[StickConstraints<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
     return out;
   }
   /// Driving torque and friction limits of each place that sticks.
@@ -646,7 +660,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
   PlaceHolds holds_under(const State& y, Torque&& torque_of, MotorTorque&& motor_torque_of, Push&& push = {}) const {
     State dy;
     StickConstraints<T, kSize> stick = stick_constraints();
-    derivative_under(y, dy, torque_of, push, &stick);
+    if (any(stick.any_held())) derivative_under(y, dy, torque_of, push, &stick);  // a motor's hold needs no reaction
     PlaceHolds out;
     for (int i = 0; i < body.joints; ++i) {
       const JointConstants<T>& d = drive[i];
@@ -660,6 +674,7 @@ class BodySystem : public BodyModeOf<kCapacity, T>::type,
       if (d.has_friction[kOutputSide]) hold(kOutputSide, stick.reaction[i]);
       if (d.has_friction[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, motor, tau));
     }
+    if constexpr (kPlain) return out;
     Hold<T>& rail = out[Friction::kRailPlace];
     rail.torque = stick.reaction[StickConstraints<T, kSize>::kRail];
     const T& n = stick.rail_normal_force;

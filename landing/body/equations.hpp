@@ -29,24 +29,34 @@
 
 namespace ukemi::landing {
 
+/// What a kernel leaves out.
+enum class Plain {
+  kNothing,
+  kLinks,          ///< for robots of has_plain_links
+  kLinksAndDrives  ///< and of has_plain_drives
+};
+
 /// Maximum sizes that a kernel is compiled for.
 struct Capacity {
   int bodies, joints, contacts;
   bool exact = false;  ///< bodies and moving joints are exactly so many: their loops are unrolled
   bool late = false;   ///< for robots with a late drive, see DriveLag
-  bool plain = false;  ///< for robots of is_plain: what else a robot may have is left out
+  Plain plain = Plain::kNothing;
+  constexpr bool straight() const { return plain != Plain::kNothing; }  ///< only robots of has_plain_links
 };
 /// The compiled kernels: exact for the paper's robot, a double pendulum, legs of 2 and 3 joints; others by maximum
-/// size. Plain ones are for peaks alone: derivatives may be by a term that is 0.
-inline constexpr Capacity kPlainPair{2, 1, 3, true, false, true}, kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true},
-    kPlainTriple{3, 2, 4, true, false, true}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
+/// size. Those that leave something out are for peaks alone: derivatives may be by a term that is 0.
+inline constexpr Capacity kPlainPair{2, 1, 3, true, false, Plain::kLinksAndDrives},
+    kStraightPair{2, 1, 3, true, false, Plain::kLinks}, kLatePair{2, 1, 3, true, true, Plain::kLinks},
+    kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kPlainTriple{3, 2, 4, true, false, Plain::kLinksAndDrives},
+    kStraightTriple{3, 2, 4, true, false, Plain::kLinks}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
     kMiddle{5, 4, 7}, kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
     kLate{kMaxLateLinks, kMaxLateJoints, kMaxLateContacts, false, true};
 
-/// Whether a robot has the terms of the paper alone: a free base, straight links with the centres of mass, contacts and
-/// the peak point on them, linear contacts without tangential spring, friction or pad, no stops, and elastic drives of
-/// Eq. 2-4 in the order of the links.
-inline bool is_plain(const Robot& robot) {
+/// Whether links and contacts have the terms of the paper alone: a free base, straight links with the centres of mass,
+/// contacts and the peak point on them, linear contacts without tangential spring, friction or pad, no stops, and
+/// elastic drives in the order of the links without parallel springs.
+inline bool has_plain_links(const Robot& robot) {
   const auto on_axis = [](const Place& p) { return p.across == 0; };
   return robot.base == Base::kFree && on_axis(robot.peak) &&
          contacts_and_stop_ends(robot) == int(robot.contacts.size()) &&
@@ -58,12 +68,18 @@ inline bool is_plain(const Robot& robot) {
                               !std::isfinite(c.law.friction);
                      }) &&
          std::all_of(robot.joints.begin(), robot.joints.end(), [&](const Joint& j) {
-           return j.kind == DriveKind::kElastic && !is_extended(j.sea) && j.parallel_stiffness == 0 &&
+           return j.kind == DriveKind::kElastic && j.parallel_stiffness == 0 &&
                   j.child == int(&j - robot.joints.data()) + 1;
          });
 }
+/// Whether drives have the terms of Eq. 2-4 alone.
+inline bool has_plain_drives(const Robot& robot) {
+  return std::none_of(robot.joints.begin(), robot.joints.end(), [](const Joint& j) { return is_extended(j.sea); });
+}
 inline bool fits(const Robot& robot, const Capacity& c) {
-  if (c.late != has_late_drive(robot) || (c.plain && !is_plain(robot))) return false;
+  if (c.late != has_late_drive(robot)) return false;
+  if (c.plain != Plain::kNothing && !has_plain_links(robot)) return false;
+  if (c.plain == Plain::kLinksAndDrives && !has_plain_drives(robot)) return false;
   const auto locked = [](const Joint& j) { return j.kind == DriveKind::kLocked; };
   if (c.exact && (int(robot.links.size()) != c.bodies || int(robot.joints.size()) != c.joints ||
                   std::any_of(robot.joints.begin(), robot.joints.end(), locked)))
@@ -87,7 +103,8 @@ auto in_gradient_kernel(const Robot& robot, F&& f) {
 }
 template <class F>
 auto in_peak_kernel(const Robot& robot, F&& f) {
-  return in_kernel<kPlainPair, kPlainTriple, kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
+  return in_kernel<kPlainPair, kPlainTriple, kStraightPair, kStraightTriple, kLatePair, kPair, kTriple, kQuad, kMiddle,
+                   kLateLeg, kLate, kAny>(robot, f);
 }
 
 /// A number of bodies or joints: a constant expression where the kernel is exact.
@@ -147,7 +164,7 @@ struct TreeStop {
 template <class T, Capacity kSize>
 struct Body {
   static constexpr int kBodies = kSize.bodies;
-  using Arm = Arms<T, kBodies, kSize.plain>;
+  using Arm = Arms<T, kBodies, kSize.straight()>;
   Count<kBodies, kSize.exact> bodies;
   Count<kSize.joints, kSize.exact> joints;
   int contacts = 0;                    ///< of the robot, without ends of stops
@@ -306,11 +323,11 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
         const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
         m[j][k] = b.n[j][k] + b.p[j][k] * c;
         T h = b.p[j][k] * s;  // coefficient of omega_k^2 in row j; in row k it is negative
-        if constexpr (!kSize.plain) m[j][k] += b.q[j][k] * s, h -= b.q[j][k] * c;
+        if constexpr (!kSize.straight()) m[j][k] += b.q[j][k] * s, h -= b.q[j][k] * c;
         right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
       }
     }
-    if constexpr (kSize.plain) return;
+    if constexpr (kSize.straight()) return;
     if (b.base == Base::kRail) add_rail(b, p, right);
     if (!b.first_fixed) return;
     for (int j = 1; j < kMax; ++j) m[j][0] = T(0);
@@ -329,11 +346,11 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
   }
 };
 
-/// Constraints of sticking dry friction, for each joint and last for the rail, and their reactions, which are
-/// subtracted from the torques and the force along the rail [Nm], [N].
+/// Constraints of sticking dry friction, for each joint and last, if there may be one, the rail, and their reactions,
+/// which are subtracted from the torques and the force along the rail [Nm], [N].
 template <class T, Capacity kSize>
 struct StickConstraints {
-  static constexpr int kRail = kSize.joints, kMax = kRail + 1;
+  static constexpr int kRail = kSize.joints, kMax = kRail + !kSize.straight();
   std::array<typename MaskOf<T>::type, kMax> held{};
   std::array<T, kMax> reaction{};
   T rail_normal_force{0};  ///< N on the rail, where its friction depends on N [N]
@@ -345,8 +362,9 @@ struct StickConstraints {
   }
 
   /// Solves J (x - M^-1 J' reaction) = 0 with J the Jacobian of the constraints, and applies the reactions to x.
-  [[gnu::noinline]] void apply(const Body<T, kSize>& b, const MassMatrix<T, kSize>& mass, int n,
+  [[gnu::noinline]] void apply(const Body<T, kSize>& b, const MassMatrix<T, kSize>& mass,
                                std::array<T, kSize.bodies + 1>& x) {
+    const int n = b.bodies + int(!kSize.straight() && b.base == Base::kRail);
     std::array<std::array<T, kSize.bodies + 1>, kMax> response{};  // columns of M^-1 J'
     Symmetric<T, kMax> w;
     for (int i = 0; i < kMax; ++i) {
@@ -372,7 +390,7 @@ struct StickConstraints {
   /// Parent body of joint i; -1 if it does not turn.
   static int parent(const Body<T, kSize>& b, int i) {
     const int of = b.joint[i].parent;
-    return of == 0 && b.first_fixed ? -1 : of;
+    return !kSize.straight() && of == 0 && b.first_fixed ? -1 : of;
   }
   static void add_unit(const Body<T, kSize>& b, int i, std::array<T, kSize.bodies + 1>& x) {
     if (i == kRail) return void(x[std::size_t(int(b.bodies))] = T(1));
@@ -395,7 +413,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   const T &gx = gravity[0], &gy = gravity[1];
   std::array<T, MassMatrix<T, kSize>::kMax> right{};
   const int bodies = b.bodies;
-  const Base base = kSize.plain ? Base::kFree : b.base;
+  const Base base = kSize.straight() ? Base::kFree : b.base;
   for (int j = 0; j < bodies; ++j) {
     right[j] = load.torque[j];
     if (base != Base::kFree) right[j] += y_of(b.moment, p, j) * gx + x_of(b.moment, p, j) * gy;
@@ -408,7 +426,7 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   else
     mass.factor(bodies), mass.solve(bodies, right);
   if (stick) [[unlikely]]
-    stick->apply(b, mass, base == Base::kRail ? bodies + 1 : bodies, right);
+    stick->apply(b, mass, right);
   TreeAccelerations<T, kSize.bodies> out;
   for (int j = 0; j < bodies; ++j) out.alpha[j] = right[j];
   if (base == Base::kFree)
@@ -427,10 +445,10 @@ T kinetic_energy(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p) {
     for (int k = 0; k < j; ++k) {
       const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
       T m = b.n[j][k] + b.p[j][k] * c;
-      if constexpr (!kSize.plain) m += b.q[j][k] * s;
+      if constexpr (!kSize.straight()) m += b.q[j][k] * s;
       twice += T(2) * m * p.omega[j] * p.omega[k];
     }
-    if (!kSize.plain && b.base != Base::kFree)
+    if (!kSize.straight() && b.base != Base::kFree)
       twice += T(2) * p.omega[j] * (p.vx * y_of(b.moment, p, j) + p.vy * x_of(b.moment, p, j));
   }
   return T(0.5) * twice;

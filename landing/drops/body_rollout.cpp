@@ -125,7 +125,7 @@ BodyRollout roll_drop(const BodyScene& scene, const BodyMotion& motion, const st
   const Sampling sampling{channels, times, out};
   const BodyLanding landing = in_kernel<kSmall, kLate, kAny>(
       scene.robot, [&]<Capacity kSize>() { return follow<kSize>(drop_scene, motion, drop_options, sampling); });
-  out.first_touchdown = landing.first_touchdown, out.peak = landing.peak;
+  out.first_touchdown = landing.contacts.first(), out.peak = landing.peak;
   out.steps = landing.work.steps + landing.work.rejected;
   out.complete = channels.empty() ? landing.end == End::kTimeLimit || landing.end == End::kNoContact
                                   : out.value[0].size() == times.size();

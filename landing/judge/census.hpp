@@ -20,7 +20,9 @@ class PeakCensus {
   /// Returns whether the drop could be followed.
   bool add_motion(double peak) { return count(peak, peaks_, failed_); }
   /// The contact of the motion's peak, in a drop that could be followed.
-  void add_contact(int number, int point) { ++contacts_[{number, point}]; }
+  void add_contact(const RunEnd& l) {
+    ++contacts_[{l.peak_contact + 1, l.peak_contact < 0 ? -1 : l.contacts[l.peak_contact]}];
+  }
   /// Sets peaks, held, failed, held_failed, contacts and histogram.
   void report(PeakRisk& out) const;
 

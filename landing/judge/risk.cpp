@@ -142,8 +142,7 @@ class RiskCensus {
       if (!peaks_.add_motion(peak_of(l))) continue;
       lost_ += l.joint_lost;
       worst_.add(l.peak, first + long(i));
-      const int n = l.peak_contact;
-      peaks_.add_contact(n + 1, n < 0 ? -1 : int(l.contacts[n]));
+      peaks_.add_contact(l);
       bool broken = beyond_stops[i];
       for (RiskEvent& e : events_) {
         const bool touched = e.kind == RiskEvent::Kind::kTouch && l.contacts.touched(Point(e.point));

@@ -33,7 +33,8 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
   if (options.accuracy < kLowOrder || !(fits(robot, kMiddle) || fits(robot, kLateLeg)))
     return run_scalar(source, options);
-  in_kernel<kPlainPair, kPair, kPlainTriple, kTriple, kQuad, kLateLeg, kMiddle>(robot, [&]<Capacity kSize>() {
+  in_kernel<kPlainPair, kStraightPair, kLatePair, kPair, kPlainTriple, kStraightTriple, kTriple, kQuad, kLateLeg,
+            kMiddle>(robot, [&]<Capacity kSize>() {
     switch (std::min(set, widest_instruction_set())) {
       case InstructionSet::kAvx512:
         return run_body_lanes<kSize, 8>(source, options);

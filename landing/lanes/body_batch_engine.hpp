@@ -57,6 +57,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
       const double fallen = course.fall(y);
       this->begin(i, fallen, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
+      joint_lost_.set(i, false);
       last_rest_test_[i] = 0, rest_energy_[i] = {course.system, options_.accuracy};
       per_square_.set(i, rest_energy_[i].per_square), unresolved_.set(i, rest_energy_[i].unresolved);
       const double abandon = c.abandon_above * peak_rating(*c.scene);
@@ -93,8 +94,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       BodyLanding& out = out_[i];
       if (end == End::kFailed) out.failure = Failure::kSteps;
       out.end = end, out.t_end = step_.t[i], out.peak = std::sqrt(peak_.square[i]), out.t_peak = peak_.t[i];
-      out.first_touchdown = course_[i]->first_touchdown(), out.first_contact = course_[i]->first_contact();
-      out.work.steps = long(steps_[i]);
+      out.work.steps = long(steps_[i]), out.joint_lost = joint_lost_[i];
       const Values y = values(i);
       const bool free = case_[i].scene->robot.base == Base::kFree;
       out.base = {y[System::kX], free ? y[System::kY] : 0}, out.speed = {y[System::kVx], free ? y[System::kVy] : 0};
@@ -212,6 +212,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
                     : LoadPeak{x.evaluator.value(std::sqrt(x.maximum.square[i])), x.maximum.t[i]};
   }
   void touched(int i, int contact) {
+    out_[i].contacts.touchdown(contact, step_.t[i]);
     for (LaneLoad& x : loads_)
       if (x.is_impulse() && x.load().index == contact)
         x.touching.set(i, true), x.impulse[0].set(i, 0), x.impulse[1].set(i, 0);
@@ -223,6 +224,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     }
   }
   void lifted(int i, int contact) {
+    out_[i].contacts.liftoff(contact, step_.t[i]);
     for (LaneLoad& x : loads_)
       if (x.is_impulse() && x.load().index == contact) end_touch(i, x);
   }
@@ -312,14 +314,14 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
 
   UKEMI_INLINE static T peak_square(const System& s, const State& y, const State& dy) { return s.peak_square(y, dy); }
-  void peak_raised(int) {}
+  void peak_raised(int i) { out_[i].peak_contact = out_[i].contacts.size() - 1; }
   /// Lanes whose steps are so short that they may be stiff: the scalar path, which may go implicit, runs them.
   UKEMI_INLINE M given_up() const {
     constexpr double kPatience = 5'000, kShortest = 1e-4;  // steps; their mean length [s]
     return (steps_ > T(kPatience)) & (step_.t < T(kShortest) * steps_);
   }
   UKEMI_INLINE const T& longest_step() const { return longest_; }
-  void stepped() {}
+  UKEMI_INLINE void stepped() { joint_lost_ |= accepted_ & system_.lost_joint(step_.y); }
   /// Lanes at rest among `no_event`, by the rule of body_rest.hpp; the kinetic energy is checked first.
   UKEMI_INLINE M resting(const M& no_event) {
     auto p = system_.pose(step_.y);
@@ -346,6 +348,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   BodyBatchSource& source_;
   const BodyBatchOptions options_;
   const std::function<bool()> over_ = [this] { return source_.over(); };
+  M joint_lost_;
   T longest_{0.0}, per_square_{0.0}, unresolved_{0.0};
   std::array<RestEnergy, W> rest_energy_{};
   std::array<double, W> last_rest_test_{};  ///< steps at the last rest test

@@ -10,8 +10,11 @@ namespace ukemi::landing {
 
 #ifdef UKEMI_BATCH_BASELINE_ALONE  // in the file of two lanes
 extern template void run_body_lanes<kPlainPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kStraightPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kLatePair, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kPlainTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
+extern template void run_body_lanes<kStraightTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kQuad, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kMiddle, 2>(BodyBatchSource&, const BodyBatchOptions&);
@@ -28,8 +31,11 @@ void run_body_lanes(BodyBatchSource& source, const BodyBatchOptions& options) {
 }
 
 template void run_body_lanes<kPlainPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kStraightPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kLatePair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kPlainTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+template void run_body_lanes<kStraightTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kQuad, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kMiddle, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);

@@ -28,7 +28,7 @@ bool Valuation::next(BodyBatchCase& c) {
 
 void Valuation::done(const BodyLanding& l) {
   const bool counts = drop_ < goal_->counted, last = drop_ + 1 == goal_->drops.size();
-  if (drop_ == 0) first_contact_ = l.first_contact;
+  if (drop_ == 0) first_contact_ = l.contacts.first_point();
   ++played_, ++drop_;
   if (no_landing(l.end) || (l.broken && ++broken_ > goal_->allowed_broken())) return finish(kNoMotion);
   if (counts) {

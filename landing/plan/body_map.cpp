@@ -116,7 +116,8 @@ BodySurvey survey(const BodyScene& given, const SurveyOptions& options) {
       const BodyLanding l = peak_acceleration(scene, motion(map, map.place(first + k)),
                                               {.accuracy = kSearchAccuracy, .over = over_of(options.map.monitor)});
       const bool none = no_landing(l.end) || l.end == End::kStopped;
-      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : worth(scene, l), {}, -1, false, l.end};
+      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : worth(scene, l), l.contacts, l.peak_contact,
+                  l.joint_lost, l.end};
     }
   };
   BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, 1, play); }), given, {}, {}};

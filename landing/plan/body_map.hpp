@@ -44,9 +44,8 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
 /// Of the held posture, its duration in the middle of its range.
 Coordinates held_slice(const BodySpace& space, const BodyScene& scene);
 
-/// Landings that break a limit have no value. `options.map.cells` and `slice` are of BodySpace's variables; contacts of
-/// the cells are not set. Same inputs and seed, same results. Throws InputError as BodySpace and `simulate`. Tests:
-/// test/legs/map.cpp.
+/// Landings that break a limit have no value. `options.map.cells` and `slice` are of BodySpace's variables. Same inputs
+/// and seed, same results. Throws InputError as BodySpace and `simulate`. Tests: test/legs/map.cpp.
 [[nodiscard]] BodySurvey survey(const BodyScene& scene, const SurveyOptions& options);
 
 }  // namespace ukemi::landing

@@ -44,17 +44,6 @@ bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) 
   return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > rating_limit(e.limit);
 }
 
-/// The touchdown that opened the interval of the peak, from 1; 0: before the first.
-PeakContact peak_contact(const BodyLanding& l) {
-  PeakContact out{0, -1};
-  const auto highest = std::max_element(l.peaks.begin(), l.peaks.end(),
-                                        [](auto& a, auto& b) { return a.acceleration < b.acceleration; });
-  if (highest == l.peaks.end() || highest->point < 0) return out;
-  for (auto p = l.peaks.begin(); p <= highest; ++p) out.number += p->point >= 0;
-  out.point = highest->point;
-  return out;
-}
-
 class DropRunner {
  public:
   DropRunner(const BodyRiskOptions& options, long planned) : options_(options), planned_(planned) {}
@@ -104,10 +93,8 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
       const BodyLanding& l = landings[i];
       if (!census.add_motion(no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak)) continue;
       worst.add(l.peak, first + long(i));
-      out.lost += std::any_of(l.demands.begin(), l.demands.end(),
-                              [](auto& d) { return std::max(-d.phi_min, d.phi_max) > kLostJoint; });
-      const PeakContact c = peak_contact(l);
-      census.add_contact(c.number, c.point);
+      out.lost += l.joint_lost;
+      census.add_contact(l);
       bool broken = false;
       for (RiskEvent& e : out.events) {
         const bool occurs = exceeded(e, scene, l);

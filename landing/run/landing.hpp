@@ -50,7 +50,7 @@ enum class Failure : unsigned char {
 /// A touchdown of a point within this time of its last lift-off is chatter: it starts no interval of Peak [s].
 inline constexpr double kChatter = 0.01;
 
-/// Beyond this |phi_1| the joint has made a full turn and its drive has lost it [rad].
+/// Beyond this |phi| a joint has made a full turn and its drive has lost it [rad].
 inline constexpr double kLostJoint = 6.283185307179586;
 
 /// Limits on a landing. A run ends where it first breaks one.
@@ -101,30 +101,33 @@ struct SimulateOptions {
   bool stopped(long step) const { return over && step % 32 == 31 && (*over)(); }
 };
 
-/// The sequence of touchdowns by point, without chatter (kChatter), up to kCapacity.
+/// The sequence of touchdowns, without chatter (kChatter), up to kCapacity. Points: of Robot::contacts; of the paper's
+/// robot a Point.
 class ContactOrder {
  public:
-  static constexpr int kCapacity = 30;
+  static constexpr int kCapacity = 32, kMaxPoints = 12;
+  ContactOrder() { lifted_.fill(-std::numeric_limits<double>::infinity()); }
   int size() const { return size_; }
-  Point operator[](int i) const { return Point(code_ >> (2 * i) & 3); }
-  void touchdown(Point p, double t) {
+  int operator[](int i) const { return point_[std::size_t(i)]; }
+  void touchdown(int p, double t) {
     first_ = std::min(first_, t);
-    touched_[p] = true;
-    if (size_ < kCapacity && !(t - lifted_[p] < kChatter)) code_ |= std::uint64_t(p) << (2 * size_++);
+    touched_ |= 1u << p;
+    if (size_ < kCapacity && !(t - lifted_[std::size_t(p)] < kChatter)) point_[std::size_t(size_++)] = std::int8_t(p);
   }
-  void liftoff(Point p, double t) { lifted_[p] = t; }
+  void liftoff(int p, double t) { lifted_[std::size_t(p)] = t; }
   /// Time of the first touchdown, from release; infinite if none [s].
   double first() const { return first_; }
+  /// Its point; -1: none.
+  int first_point() const { return size_ > 0 ? point_[0] : -1; }
   /// Whether a point touched at all, chatter and touchdowns beyond kCapacity included.
-  bool touched(Point p) const { return touched_[p]; }
+  bool touched(int p) const { return (touched_ >> p & 1) != 0; }
 
  private:
-  static constexpr double kNever = -std::numeric_limits<double>::infinity();
-  std::uint64_t code_ = 0;
+  std::array<std::int8_t, kCapacity> point_{};
   int size_ = 0;
+  std::uint32_t touched_ = 0;
   double first_ = std::numeric_limits<double>::infinity();
-  std::array<double, kPoints> lifted_{kNever, kNever, kNever};
-  std::array<bool, kPoints> touched_{};
+  std::array<double, kMaxPoints> lifted_;
 };
 
 /// The outcome of a landing of any robot.
@@ -136,15 +139,15 @@ struct RunEnd {
   Failure failure = Failure::kNone;                        ///< with kFailed
   integrate::Status status = integrate::Status::kStepped;  ///< with Failure::kIntegration
   integrate::Counters work;
+  ContactOrder contacts;    ///< touchdowns
+  int peak_contact = -1;    ///< index of the last one before the peak; -1: none
+  bool joint_lost = false;  ///< |phi| of a driven joint exceeded kLostJoint at the end of a step: the link whirls
 };
 /// Why a landing failed, in words.
 const char* reason(const RunEnd& run);
 
 /// The result of a landing for a search; without allocation.
 struct LandingPeak : RunEnd {
-  ContactOrder contacts;                    ///< touchdowns
-  int peak_contact = -1;                    ///< the last one before the peak; -1: none
-  bool joint_lost = false;                  ///< |phi_1| exceeded kLostJoint at the end of a step: the link whirls
   std::array<double, kMechanical> state{};  ///< at the end, see landing::Component
 };
 

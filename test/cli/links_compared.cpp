@@ -133,17 +133,22 @@ TEST_CASE("map plays a robot of links over a grid of some variables, the others 
   std::string line;
   while (std::getline(rows, line) && line[0] == '#') {
   }
-  CHECK(line == "phi_i_hip_deg,phi_f_hip_deg,phi_i_knee_deg,phi_f_knee_deg,duration,peak");
+  CHECK(line == "phi_i_hip_deg,phi_f_hip_deg,phi_i_knee_deg,phi_f_knee_deg,duration,peak,peak_contact,contacts");
   double least = 1e9;
   int count = 0;
   for (; std::getline(rows, line); ++count) {
     std::istringstream cells(line);
     std::vector<double> values;
-    for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+    std::string cell;
+    while (values.size() < 7 && std::getline(cells, cell, ',')) values.push_back(std::stod(cell));
+    REQUIRE(values.size() == 7);
+    CHECK(values[6] >= 1);  // a touchdown before the peak
+    std::getline(cells, cell);
+    CHECK(cell.starts_with("foot"));
     CHECK(values[1] == Approx(60));
     CHECK(values[2] == Approx(-80));
     CHECK(values[4] == Approx(0.3));
-    least = std::min(least, std::stod(line.substr(line.rfind(',') + 1)));
+    least = std::min(least, values[5]);
   }
   CHECK(count == 35);
   CHECK(least == Approx(lowest));

@@ -37,6 +37,19 @@ TEST_CASE("told: a drive that loses the joint, by every verb that lands") {
   done(f, {"simulate", kPaper, "--actuator", kTable2, "--hold", "-45", "--no-report", "-o", "out"});
   CHECK(summary(f)["joint_lost"] == false);
   CHECK(summary(f)["sensitive"] == false);
+
+  const std::string by_links = dataset("scenes/paper_friction.toml");
+  const Arguments drive{"--actuator", weak, "--no-report", "-o", "out"};
+  done(f, Arguments{"simulate", by_links, "--hold", "-45"} + drive);
+  CHECK(summary(f)["joint_lost"] == true);
+  CHECK(warned(summary(f), "the peak is that of a link that whirls"));
+  done(f, Arguments{"risk", by_links, "--samples", "200", "--hold", "-45"} + drive);
+  CHECK(summary(f)["joint_lost"].get<long>() > 100);
+  done(f, Arguments{"map", by_links, "--vary", "phi_i_knee:4", "--polish", "1"} + drive);
+  CHECK(summary(f)["joint_lost"].get<long>() > 0);
+  CHECK(warned(summary(f), "landings the drive loses the joint"));
+  done(f, {"simulate", by_links, "--hold", "-45", "--no-report", "-o", "out"});
+  CHECK(summary(f)["joint_lost"] == false);
 }
 
 TEST_CASE("told: a robot that starts on the floor lands, and drops that would begin below it are counted") {

@@ -324,7 +324,7 @@ TEST_CASE("a leg that follows a log's commands lands as the landing of the same 
     REQUIRE(r.changes.size() >= 2);
     CHECK(r.changes[0].touches);
     CHECK(r.changes[0].contact == held.landing.touches[0].point);
-    CHECK(r.changes[0].t == Approx(held.landing.first_touchdown).margin(1e-5));
+    CHECK(r.changes[0].t == Approx(held.landing.contacts.first()).margin(1e-5));
     for (std::size_t k = 0; k < held.times.size(); ++k) {
       if (!held.is_smooth(r, held.times[k])) continue;
       CHECK(r.acceleration[kAcross][k] == Approx(held.rows[k]->acc_y).margin(0.01));

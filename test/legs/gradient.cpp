@@ -215,7 +215,7 @@ TEST_CASE("legs: gradients of every kind of load against difference quotients") 
       REQUIRE(!g.loads[i].empty());
       const BodyPeakGradient& peak = g.loads[i][0];
       CHECK(peak.value == Approx(value).epsilon(1e-8));
-      UNSCOPED_INFO("kind " << int(peak.kind) << " t " << peak.t << " first " << l.first_touchdown);
+      UNSCOPED_INFO("kind " << int(peak.kind) << " t " << peak.t << " first " << l.contacts.first());
       CHECK(peak.t == Approx(l.loads[i].t).margin(1e-5));
       const auto share = [&](std::size_t k) {
         Case copy = c;

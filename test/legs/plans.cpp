@@ -71,7 +71,7 @@ TEST_CASE("legs: a flight in which nothing strains is closed-form, and any other
     const SimulateOptions fine{.accuracy = 1e-11};
     const BodyLanding l = peak_acceleration(scene, held, fine), followed = peak_acceleration(strained, held, fine);
     CHECK(l.peak == Approx(followed.peak).epsilon(1e-6));
-    CHECK(l.first_touchdown == Approx(followed.first_touchdown).epsilon(1e-6));
+    CHECK(l.contacts.first() == Approx(followed.contacts.first()).epsilon(1e-6));
     return followed.work.steps - l.work.steps >= 3;
   };
   BodyScene scene = shipped("three_links");
@@ -99,7 +99,7 @@ TEST_CASE("legs: the fast path has the peaks of the accurate one, and what rests
       INFO(name << ", motion " << n << ": " << l.peak);
       CHECK(l.end == End::kRest);
       CHECK(l.energy_residual < 1e-8);
-      CHECK(l.first_contact == l.touches.at(0).point);
+      CHECK(l.contacts.first_point() == l.touches.at(0).point);
       CHECK(simulate(scene, m, {.rest = SimulateOptions::Rest::kIgnore}).peak == l.peak);
       CHECK(peak_acceleration(scene, m, {.accuracy = 1e-7}).peak == Approx(l.peak).epsilon(1e-4));
     }
@@ -115,7 +115,7 @@ TEST_CASE("legs: a plan finds the narrow basin of another first contact") {
     const BodyPlan p = plan(scene, {.evaluations = 20'000, .seed = seed});
     CAPTURE(seed, p.value);
     CHECK(p.value < 72);
-    on_foot += p.value < 60.2 && scene.robot.contacts[std::size_t(p.landing.first_contact)].name == "foot";
+    on_foot += p.value < 60.2 && scene.robot.contacts[std::size_t(p.landing.contacts.first_point())].name == "foot";
   }
   CHECK(on_foot >= 2);
 }
@@ -133,9 +133,9 @@ TEST_CASE("legs: a landing that is noticed late starts its motion late") {
   const BodyLanding at_once = simulate(scene, m, {}, 1000);
   scene.detection_delay = 0.02;
   const BodyLanding late = simulate(scene, m, {}, 1000);
-  CHECK(late.first_touchdown == at_once.first_touchdown);
+  CHECK(late.contacts.first() == at_once.contacts.first());
   for (const BodySample& s : late.trajectory)
-    if (s.t < late.first_touchdown + 0.02) REQUIRE(s.phi_ref[0] == m[0].phi_i);
+    if (s.t < late.contacts.first() + 0.02) REQUIRE(s.phi_ref[0] == m[0].phi_i);
   CHECK(late.peak != at_once.peak);
 }
 
@@ -227,7 +227,7 @@ TEST_CASE("legs: moves in the air of several joints come back from their rows") 
       const BodyLanding l = simulate(scene, m);
       const test::Folder f;
       const std::string csv =
-          f.write("m.csv", body_motion_csv(m, scene.robot, 1000, "a plan", l.first_touchdown + scene.detection_delay));
+          f.write("m.csv", body_motion_csv(m, scene.robot, 1000, "a plan", l.contacts.first() + scene.detection_delay));
       const BodyMotion back = read_body_motion(csv, scene.robot);
       INFO(name << ", motion " << n);
       CHECK(back[driven[0]].reposition.has_value() == m[driven[0]].reposition.has_value());

@@ -56,7 +56,7 @@ int beyond(const std::string& file, const std::vector<std::string>& named, const
     const BodyLanding l = simulate(scene, motion, options);
     INFO(c.scene << ": peak " << l.peak << ", reference " << c.peak);
     CHECK(l.end == End::kTimeLimit);
-    CHECK(std::abs(l.first_touchdown - c.first) < 2e-9);
+    CHECK(std::abs(l.contacts.first() - c.first) < 2e-9);
     if (!is_in(named) && c.scene != kChatters) CHECK(order_of(l, scene.robot, c.contacts) == c.contacts);
     const bool off = !(std::abs(l.peak / c.peak - 1) < 1e-6);
     CHECK(off == is_in(named));

@@ -55,10 +55,10 @@ TEST_CASE("player: every joint of a robot of links") {
   const BodyLanding l = simulate(scene, m, {}, 1000);
   Player player(m);
   CHECK(player.joints() == 2);
-  player.released(0), player.touchdown(l.first_touchdown);
+  player.released(0), player.touchdown(l.contacts.first());
   for (const BodySample& s : l.trajectory)
     for (int k = 0; k < 2; ++k) REQUIRE(std::abs(player.at(k, s.t).phi - s.phi_ref[std::size_t(k)]) < 1e-9);
-  CHECK(player.end() == l.first_touchdown + 0.5);
+  CHECK(player.end() == l.contacts.first() + 0.5);
 }
 
 TEST_CASE("player: whatever it is told, it holds a posture and throws nothing") {

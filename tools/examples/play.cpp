@@ -23,7 +23,7 @@ struct StandIn {
   double clock = 100;  // the robot's own time [s], any origin
   double released_at = 100.05;
   bool weightless() const { return clock >= released_at; }
-  bool feels_floor() const { return clock >= released_at + fall.first_touchdown; }
+  bool feels_floor() const { return clock >= released_at + fall.contacts.first(); }
   std::optional<double> sent[kMaxJoints];
   void send(int k, const DriveCommand& c) {
     constexpr double kMaxStep = 0.35;  // change of a command within one period [rad]
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
       if (falling && !player.landing() && robot.feels_floor()) player.touchdown(robot.clock);
       for (int k = 0; k < player.joints(); ++k) robot.send(k, player.at(k, robot.clock));
     }
-    std::printf("touched down %.4f s after release, at rest in the last posture:", robot.fall.first_touchdown);
+    std::printf("touched down %.4f s after release, at rest in the last posture:", robot.fall.contacts.first());
     for (int k = 0; k < player.joints(); ++k)
       if (scene.robot.joints[std::size_t(k)].driven())
         std::printf(" %s %.3f rad", scene.robot.joints[std::size_t(k)].name.c_str(), *robot.sent[k]);

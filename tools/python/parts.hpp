@@ -55,16 +55,15 @@ struct Serializer<landing::MappedPeaks> : ExceptTimes<landing::MappedPeaks, &lan
 using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::LandingPeak, landing::PeakRisk, landing::Risk,
     landing::RunEnd;
 template <>
-struct Serializer<LandingPeak> : WithBase<LandingPeak, RunEnd, &LandingPeak::contacts, &LandingPeak::peak_contact,
-                                          &LandingPeak::joint_lost, &LandingPeak::state> {};
+struct Serializer<LandingPeak> : WithBase<LandingPeak, RunEnd, &LandingPeak::state> {};
 template <>
 struct Serializer<Landing> : WithBase<Landing, LandingPeak, &Landing::touches, &Landing::peaks, &Landing::trajectory,
                                       &Landing::demands, &Landing::energy_residual> {};
 template <>
 struct Serializer<BodyLanding>
-    : WithBase<BodyLanding, RunEnd, &BodyLanding::first_touchdown, &BodyLanding::first_contact, &BodyLanding::broken,
-               &BodyLanding::loads, &BodyLanding::touches, &BodyLanding::peaks, &BodyLanding::demands,
-               &BodyLanding::trajectory, &BodyLanding::energy_residual, &BodyLanding::base, &BodyLanding::speed> {};
+    : WithBase<BodyLanding, RunEnd, &BodyLanding::broken, &BodyLanding::loads, &BodyLanding::touches,
+               &BodyLanding::peaks, &BodyLanding::demands, &BodyLanding::trajectory, &BodyLanding::energy_residual,
+               &BodyLanding::base, &BodyLanding::speed> {};
 template <>
 struct Serializer<Risk> : WithBase<Risk, PeakRisk, &Risk::worst> {};
 template <>
@@ -165,7 +164,7 @@ struct Serializer<landing::ContactOrder> {
     if constexpr (!A::kReading) {
       a.number(x.size()), a.number(x.first());
       for (int i = 0; i < x.size(); ++i) a.number(x[i]);
-      for (const landing::Point p : {landing::kHip, landing::kKnee, landing::kFoot}) a.number(x.touched(p));
+      for (int p = 0; p < x.kMaxPoints; ++p) a.number(x.touched(p));
     }
   }
 };

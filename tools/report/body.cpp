@@ -63,7 +63,8 @@ std::string base_words(const Robot& r) {
 const Quantities<CheckedBody> kQuantities =
     checked_quantities<CheckedBody>("|a|", [](auto& c) { return contact_name(c.scene.robot); },
                                     {{"", "first_touchdown", "first touchdown [s]", "{:.6f}",
-                                      [](auto& c) { return number(c.landing.first_touchdown); }}});
+                                      [](auto& c) { return number(c.landing.contacts.first()); }},
+                                     {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }}});
 
 }  // namespace
 

@@ -94,7 +94,7 @@ std::vector<ExceededRating> exceeded_ratings(const BodyScene& scene, const BodyM
 }
 
 double expected_start(const BodyScene& scene, const BodyLanding& landing) {
-  return landing.first_touchdown + scene.detection_delay;
+  return landing.contacts.first() + scene.detection_delay;
 }
 
 std::vector<std::string> landing_doubts(const BodyScene& scene, const BodyMotion& motion, const BodyLanding& l) {
@@ -106,7 +106,8 @@ std::vector<std::string> landing_doubts(const BodyScene& scene, const BodyMotion
     out.push_back(growth_words(joints[i].name + ": ", phi, unstable->rate, joints[i].sea.tau_max));
   }
   for (std::size_t i = 0; i < l.demands.size(); ++i)
-    if (std::max(std::abs(l.demands[i].phi_min), std::abs(l.demands[i].phi_max)) > 2 * kLostJoint)
+    if (std::max(std::abs(l.demands[i].phi_min), std::abs(l.demands[i].phi_max)) >
+        (joints[i].driven() ? 1 : 2) * kLostJoint)
       out.push_back(fmt::format("joint {} turns from {:.4g} to {:.4g} deg: the peak is that of a link that whirls",
                                 joints[i].name, l.demands[i].phi_min * kDegrees, l.demands[i].phi_max * kDegrees));
   doubt_hinges(scene, l, out);

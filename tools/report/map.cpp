@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "landing/judge/survey.hpp"
@@ -14,32 +15,30 @@ using namespace landing;
 
 namespace {
 
-std::string contact_letters(const ContactOrder& contacts) {
+/// Names of the contacts in the order of touchdown; longer ones than a letter are separated by spaces.
+std::string contact_names(const ContactOrder& contacts, const std::vector<std::string>& points) {
+  const bool letters = std::all_of(points.begin(), points.end(), [](auto& p) { return p.size() == 1; });
   std::string s;
-  for (int i = 0; i < contacts.size(); ++i) s += "HKF"[contacts[i]];
+  for (int i = 0; i < contacts.size(); ++i) s += (i > 0 && !letters ? " " : "") + points[std::size_t(contacts[i])];
   return s;
 }
 
-std::string map_csv(const Run& run, const PeakMap& map, MapTexts::Contacts contacts, bool rated) {
+std::string map_csv(const Run& run, const PeakMap& map, const MapTexts& texts) {
   CsvWriter csv = run.csv();
-  const bool shown = contacts == MapTexts::Contacts::kShow;
-  if (shown)
-    csv.comment(
-        "contacts: H hip, K knee, F foot, in the order in which they touch; peak_contact: which of them made the "
-        "peak, counted from 1, 0: none.");
+  csv.comment(
+      "contacts: " + texts.points_words +
+      ", in the order in which they touch; peak_contact: which of them made the peak, counted from 1, 0: none.");
   std::vector<Display> axes;
   std::vector<std::string> header;
   for (const Variable& v : map.variables) axes.push_back(display(v)), header.push_back(axes.back().key);
-  header.push_back(rated ? "largest_load" : "peak");
-  if (shown) header.insert(header.end(), {"peak_contact", "contacts"});
+  header.insert(header.end(), {texts.rated ? "largest_load" : "peak", "peak_contact", "contacts"});
   csv.header(header);
   for (std::size_t i = 0; i < map.grid.size(); ++i) {
     const PeakMap::Cell& c = map.grid[i];
     if (c.end == End::kStopped) continue;
     const Coordinates x = map.values(map.place(i));
     for (int k = 0; k < int(x.size()); ++k) csv.cell(x[k] * axes[std::size_t(k)].factor);
-    csv.cell(c.peak);
-    if (shown) csv.cell(c.peak_contact + 1).cell(contact_letters(c.contacts));
+    csv.cell(c.peak).cell(c.peak_contact + 1).cell(contact_names(c.contacts, texts.points));
     csv.end_row();
   }
   return csv.text();
@@ -111,7 +110,7 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
 int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& extra) {
   const std::size_t points = s.map.grid.size();
   warn(s, !texts.lines.empty(), run);
-  run.add("map.csv", map_csv(run, s.map, texts.contacts, texts.rated));
+  run.add("map.csv", map_csv(run, s.map, texts));
   Json summary = {{"grid", s.map.cells},
                   {"landings", points - std::size_t(s.missing)},
                   {"failed", s.failed},
@@ -147,7 +146,8 @@ int report(const Survey& s, Run& run) {
   MapTexts texts{
       .scene = s.scene.name,
       .source = s.scene.floor_source,
-      .contacts = MapTexts::Contacts::kShow,
+      .points = {"H", "K", "F"},
+      .points_words = "H hip, K knee, F foot",
       .basins = Table(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
                       s.basins),
       .basins_comment =

@@ -11,8 +11,9 @@ namespace ukemi::tools {
 
 /// What the report of a map needs besides its grid.
 struct MapTexts {
-  std::string scene, source;  ///< name; where the floor's constants come from
-  enum class Contacts { kShow, kUnknown } contacts;
+  std::string scene, source;        ///< name; where the floor's constants come from
+  std::vector<std::string> points;  ///< the contacts, as map.csv names them
+  std::string points_words;         ///< what the names mean
   Table basins;
   std::string basins_comment, basins_words;  ///< in basins.csv and on the page
   std::vector<std::string> lines;            ///< one per basin, the best first

@@ -43,7 +43,8 @@ int report(const BodySurvey& s, Run& run) {
   const BodyMotion like = s.basins.empty() ? BodyMotion(robot.joints.size()) : s.basins[0].motion;
   MapTexts texts{.scene = s.scene.name,
                  .source = s.scene.source,
-                 .contacts = MapTexts::Contacts::kUnknown,
+                 .points = {},
+                 .points_words = "names",
                  .basins = Table(basin_quantities(robot, like, of_loads), s.basins),
                  .basins_comment =
                      "tolerant_peak: the worst within the execution tolerance; empty: one of its drops could not be "
@@ -52,6 +53,7 @@ int report(const BodySurvey& s, Run& run) {
                      "Searched from the grid's local minima over all variables, those that stand on the grid included; "
                      "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json.",
                  .rated = of_loads};
+  for (const ContactPoint& c : robot.contacts) texts.points.push_back(c.name);
   for (const BodyBasin& b : s.basins)
     texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion), goal_name(of_loads),
                                       goal_text(b.peak, of_loads), goal_text(b.tolerant, of_loads)));
