@@ -9,7 +9,7 @@
 // and a force F at it turns body j with Y_j F_x + X_j F_y. The angles obey
 //
 //     sum_k M_jk alpha_k + sum_k omega_k^2 (P_jk sin - Q_jk cos)(theta_j - theta_k) = torques_j + forces_j + weight_j
-//     M_jk = N_jk + P_jk cos(theta_j - theta_k) + Q_jk sin(theta_j - theta_k)
+//     M_jj = N_jj + P_jj,   M_jk = N_jk + P_jk cos(theta_j - theta_k) + Q_jk sin(theta_j - theta_k)
 //     P_jk = sum_i m_i (A_ij A_ik + B_ij B_ik),   Q_jk = sum_i m_i (A_ij B_ik - B_ij A_ik)    over the links i
 //
 // N: inertias about the centres of mass, and armatures. Free base: A and B count from the total centre of mass R, which
@@ -47,10 +47,10 @@ struct Capacity {
 /// The compiled kernels: exact for the paper's robot, a double pendulum, legs of 2 and 3 joints; others by maximum
 /// size. Those that leave something out are for peaks alone: derivatives may be by a term that is 0.
 inline constexpr Capacity kPlainPair{2, 1, 3, true, false, Plain::kLinksAndDrives},
-    kStraightPair{2, 1, 3, true, false, Plain::kLinks}, kLatePair{2, 1, 3, true, true, Plain::kLinks},
-    kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true}, kPlainTriple{3, 2, 4, true, false, Plain::kLinksAndDrives},
-    kStraightTriple{3, 2, 4, true, false, Plain::kLinks}, kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4},
-    kMiddle{5, 4, 7}, kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
+    kStraightPair{2, 1, 3, true, false, Plain::kLinks}, kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true},
+    kPlainTriple{3, 2, 4, true, false, Plain::kLinksAndDrives}, kStraightTriple{3, 2, 4, true, false, Plain::kLinks},
+    kTriple{3, 2, 4, true}, kQuad{4, 3, 5, true}, kSmall{3, 2, 4}, kMiddle{5, 4, 7},
+    kAny{kMaxLinks, kMaxJoints, kMaxContacts}, kLateLeg{3, 2, 4, false, true},
     kLate{kMaxLateLinks, kMaxLateJoints, kMaxLateContacts, false, true};
 
 /// Whether links and contacts have the terms of the paper alone: a free base, straight links with the centres of mass,
@@ -103,8 +103,8 @@ auto in_gradient_kernel(const Robot& robot, F&& f) {
 }
 template <class F>
 auto in_peak_kernel(const Robot& robot, F&& f) {
-  return in_kernel<kPlainPair, kPlainTriple, kStraightPair, kStraightTriple, kLatePair, kPair, kTriple, kQuad, kMiddle,
-                   kLateLeg, kLate, kAny>(robot, f);
+  return in_kernel<kPlainPair, kPlainTriple, kStraightPair, kStraightTriple, kPair, kTriple, kQuad, kMiddle, kLateLeg,
+                   kLate, kAny>(robot, f);
 }
 
 /// A number of bodies or joints: a constant expression where the kernel is exact.
@@ -171,7 +171,7 @@ struct Body {
   int stops_begin = 0, stops_end = 0;  ///< ends of stops, numbered after the contacts
   Base base = Base::kFree;
   bool first_fixed = false;  ///< the first body's angle is constant: rail, or locked pin
-  std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, P, Q
+  std::array<std::array<T, kBodies>, kBodies> n{}, p{}, q{};  ///< N, its diagonal with P_jj; P, Q
   std::array<Arm, kSize.contacts> contact{};
   std::array<TreeStop<T>, kSize.contacts> stop{};  ///< from stops_begin on
   Arm peak{}, first{};                             ///< `first`: the origin of the first link
@@ -318,12 +318,12 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
   MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMax>& right) {
     const int n = b.bodies;
     for (int j = 0; j < n; ++j) {
-      m[j][j] = b.n[j][j] + b.p[j][j];
+      m[j][j] = b.n[j][j];
       for (int k = 0; k < j; ++k) {
         const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
-        m[j][k] = b.n[j][k] + b.p[j][k] * c;
+        m[j][k] = b.p[j][k] * c;
         T h = b.p[j][k] * s;  // coefficient of omega_k^2 in row j; in row k it is negative
-        if constexpr (!kSize.straight()) m[j][k] += b.q[j][k] * s, h -= b.q[j][k] * c;
+        if constexpr (!kSize.straight()) m[j][k] += b.n[j][k] + b.q[j][k] * s, h -= b.q[j][k] * c;
         right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
       }
     }
@@ -441,11 +441,11 @@ template <class T, Capacity kSize>
 T kinetic_energy(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p) {
   T twice = b.mass * (p.vx * p.vx + p.vy * p.vy);
   for (int j = 0; j < b.bodies; ++j) {
-    twice += (b.n[j][j] + b.p[j][j]) * p.omega[j] * p.omega[j];
+    twice += b.n[j][j] * p.omega[j] * p.omega[j];
     for (int k = 0; k < j; ++k) {
       const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
-      T m = b.n[j][k] + b.p[j][k] * c;
-      if constexpr (!kSize.straight()) m += b.q[j][k] * s;
+      T m = b.p[j][k] * c;
+      if constexpr (!kSize.straight()) m += b.n[j][k] + b.q[j][k] * s;
       twice += T(2) * m * p.omega[j] * p.omega[k];
     }
     if (!kSize.straight() && b.base != Base::kFree)
@@ -520,6 +520,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     out.n[place.parent][place.parent] += joint.sea.i_motor;
     out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
   }
+  for (int j = 0; j < bodies; ++j) out.n[j][j] += out.p[j][j];
   out.bodies = {bodies}, out.joints = {joints};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));

@@ -33,17 +33,18 @@ void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options, InstructionSet set) {
   if (options.accuracy < kLowOrder || !(fits(robot, kMiddle) || fits(robot, kLateLeg)))
     return run_scalar(source, options);
-  in_kernel<kPlainPair, kStraightPair, kLatePair, kPair, kPlainTriple, kStraightTriple, kTriple, kQuad, kLateLeg,
-            kMiddle>(robot, [&]<Capacity kSize>() {
-    switch (std::min(set, widest_instruction_set())) {
-      case InstructionSet::kAvx512:
-        return run_body_lanes<kSize, 8>(source, options);
-      case InstructionSet::kAvx2:
-        return run_body_lanes<kSize, 4>(source, options);
-      case InstructionSet::kBaseline:
-        return run_body_lanes<kSize, 2>(source, options);
-    }
-  });
+  in_kernel<kPlainPair, kStraightPair, kPair, kPlainTriple, kStraightTriple, kTriple, kQuad, kLateLeg, kMiddle>(
+      robot, [&]<Capacity kSize>() {
+        switch (std::min(set, widest_instruction_set())) {
+          case InstructionSet::kAvx512:  // others gain less than a tenth by it, and take long to compile
+            if constexpr (kSize.straight()) return run_body_lanes<kSize, 8>(source, options);
+            [[fallthrough]];
+          case InstructionSet::kAvx2:
+            return run_body_lanes<kSize, 4>(source, options);
+          case InstructionSet::kBaseline:
+            return run_body_lanes<kSize, 2>(source, options);
+        }
+      });
 }
 
 void body_batch_peaks(std::span<const BodyBatchCase> cases, std::span<BodyLanding> landings,

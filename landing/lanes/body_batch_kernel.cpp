@@ -11,7 +11,6 @@ namespace ukemi::landing {
 #ifdef UKEMI_BATCH_BASELINE_ALONE  // in the file of two lanes
 extern template void run_body_lanes<kPlainPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kStraightPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
-extern template void run_body_lanes<kLatePair, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kPair, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kPlainTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
 extern template void run_body_lanes<kStraightTriple, 2>(BodyBatchSource&, const BodyBatchOptions&);
@@ -32,13 +31,14 @@ void run_body_lanes(BodyBatchSource& source, const BodyBatchOptions& options) {
 
 template void run_body_lanes<kPlainPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kStraightPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
-template void run_body_lanes<kLatePair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
-template void run_body_lanes<kPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kPlainTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kStraightTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+#if UKEMI_BATCH_LANES != 8  // the others: run_body_batch
+template void run_body_lanes<kPair, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kTriple, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kQuad, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kMiddle, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
 template void run_body_lanes<kLateLeg, UKEMI_BATCH_LANES>(BodyBatchSource&, const BodyBatchOptions&);
+#endif
 
 }  // namespace ukemi::landing

@@ -163,17 +163,14 @@ TEST_CASE("legs: a lane's landing is abandoned, forbidden to touch, or handed ov
 
 TEST_CASE("legs: kernels that leave out what a robot has not give its peaks") {
   const std::vector<std::pair<std::string, SeaParameters<double>>> drives = [] {
-    SeaParameters<double> plain = legs::shipped("three_links").robot.joints[0].sea, friction = plain, output = plain,
-                          late = plain;
+    SeaParameters<double> plain = legs::shipped("three_links").robot.joints[0].sea, friction = plain, output = plain;
     friction.friction = 0.3, friction.spring_loss = 0.05, friction.output_viscous = 0.02;
     output.output_friction = 0.2, output.friction = 0.1;
-    late.control_delay = 0.001, late.friction = 0.1;
     return std::vector<std::pair<std::string, SeaParameters<double>>>{
-        {"plain", plain}, {"friction", friction}, {"output friction", output}, {"late", late}};
+        {"plain", plain}, {"friction", friction}, {"output friction", output}};
   }();
   for (const std::string name : {"paper", "three_links"})
     for (const auto& [words, sea] : drives) {
-      if (words == "late" && name == "three_links") continue;  // runs in the kernel of late legs
       BodyScene scene = name == "paper" ? read_body_scene(UKEMI_DATASETS "/scenes/paper.toml",
                                                           {{"", UKEMI_DATASETS "/actuators/table2.toml"}})
                                         : legs::shipped(name);
