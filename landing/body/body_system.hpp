@@ -4,8 +4,9 @@
 // on a slope the frame is the floor's, and gravity is turned.
 #pragma once
 
-#include "common/integrate/guards.hpp"
+#include "landing/body/body_drives.hpp"
 #include "landing/body/body_friction.hpp"
+#include "landing/body/body_guards.hpp"
 #include "landing/body/contact.hpp"
 #include "landing/body/equations.hpp"
 #include "landing/body/joint.hpp"
@@ -31,6 +32,8 @@ struct BodyModeOf {
 template <Capacity kCapacity, bool kAccounts = false, Scalar T = double>
 class BodySystem
     : public BodyModeOf<kCapacity, T>::type,
+      public BodyDrives<BodySystem<kCapacity, kAccounts, T>, T>,
+      public BodyGuards<BodySystem<kCapacity, kAccounts, T>, T>,
       public BodyFriction<BodySystem<kCapacity, kAccounts, T>, kCapacity.joints, !kCapacity.straight(), T> {
  public:
   static constexpr Capacity kSize = kCapacity;
@@ -56,6 +59,9 @@ class BodySystem
   using Mode = typename BodyModeOf<kSize, T>::type;
   using Mode::contact, Mode::joint, Mode::rail_slip;
   using typename Friction::Lane, typename Friction::PlaceHolds;
+  using Drives = BodyDrives<BodySystem, T>;
+  using Drives::reference, Drives::torque, Drives::elastic_torque, Drives::elastic_motor_torque, Drives::geared_torque,
+      Drives::requested_torque, Drives::joint_torque, Drives::mean_friction, Drives::asymmetry;
   using Value = std::remove_cvref_t<decltype(value_of(std::declval<T>()))>;
   using GuardValues = integrate::Guards<kGuards, Value>;
   static constexpr SeaTerms kPlainSea{true, false}, kSea{true, !kPlainDrives};
@@ -195,114 +201,8 @@ class BodySystem
     return out;
   }
 
-  template <class Time>
-  Reference<T> reference(int i, const Time& t) const {
-    const ReferencePiece<T>& r = piece[i];
-    const auto& phase = joint[i].phase;
-    const T constant = select(after(phase), r.b, r.a);
-    if (!any(moving(phase))) return {constant, T(0)};
-    const Reference<T> played = r.at(T(t), shaped);
-    return {select(moving(phase), played.phi, constant), masked(moving(phase), played.dphi)};
-  }
-
   /// x = y without the derivatives of y.
   static constexpr auto kCopyValue = [](T& x, const auto& y) { x = T(value_of(y)); };
-
-  /// Torque of joint i on its child [Nm]; of an elastic drive also the motor's acceleration and, in `dy`, lag rates.
-  template <class Time>
-  T torque(int i, const Time& t, const State& y, T* motor = nullptr, State* dy = nullptr) const {
-    const JointConstants<T>& d = drive[i];
-    const SeaState<T> s = joint_state(i, y);
-    return joint_torque(i, s, motor, [&]() UKEMI_INLINE_LAMBDA {
-      if (kind(i) == DriveKind::kGeared)
-        return limited_torque<kSea>(d.sea, geared_torque(i, t, s), joint[i].saturation);
-      return elastic_motor_torque(i, t, y, s, dy);
-    });
-  }
-  /// Torques of all joints on their children, less the reactions of sticking friction [Nm].
-  template <class Time>
-  std::array<T, kJ> torques(const Time& t, const State& y) const {
-    std::array<T, kJ> out{};
-    for (int i = 0; i < body.joints; ++i) out[i] = torque(i, t, y);
-    if constexpr (kPlainDrives) return out;
-    if (!has_friction || !any(this->any_stuck())) return out;
-    const PlaceHolds hold = holds(t, y);
-    for (int i = 0; i < body.joints; ++i) out[i] -= masked(stuck(i, kOutputSide), hold[kSides * i].torque);
-    return out;
-  }
-  /// Torque of the motor of an elastic drive, delayed if the drive is late [Nm].
-  template <class Time>
-  UKEMI_INLINE T elastic_motor_torque(int i, const Time& t, const State& y, const SeaState<T>& s,
-                                      [[maybe_unused]] State* dy = nullptr) const {
-    if constexpr (kSize.late) {
-      const auto x = y.template segment<kLags>(kLag + kLags * i);
-      const DriveLag<T> lag(drive[i].sea);
-      const T requested = requested_torque(i, t, lag.filtered(s, x));
-      if (dy) dy->template segment<kLags>(kLag + kLags * i) = lag.derivative(requested, s, x);
-      return lag.torque(requested, x);
-    } else {
-      return requested_torque(i, t, s);
-    }
-  }
-  /// Eq. 3 for the state that an elastic drive measures [Nm].
-  template <class Time>
-  UKEMI_INLINE T requested_torque(int i, const Time& t, const SeaState<T>& s) const {
-    const JointConstants<T>& d = drive[i];
-    return extended(i) ? motor_torque<kSea>(d.sea, s, reference(i, t))
-                       : motor_torque<kPlainSea>(d.sea, s, reference(i, t));
-  }
-  /// Sets the states of late drives as if the rates of y and the torque requested(i, state) had always been constant.
-  template <class Requested>
-  void settle_lags(State& y, Requested&& requested) const {
-    if constexpr (kSize.late)
-      for (int i = 0; i < body.joints; ++i) {
-        if (drive[i].kind != DriveKind::kElastic) continue;
-        const SeaState<T> s = joint_state(i, y);
-        y.template segment<kLags>(kLag + kLags * i) = DriveLag<T>(drive[i].sea).steady(requested(i, s), s);
-      }
-  }
-  /// The same with Eq. 3 at t.
-  template <class Time>
-  void settle_lags_at(const Time& t, State& y) const {
-    settle_lags(y, [&](int i, const SeaState<T>& s) { return requested_torque(i, t, s); });
-  }
-  /// The torque of joint i on its child, its motor's torque being requested() [Nm]; `motor`: as in torque().
-  template <class Requested>
-  UKEMI_INLINE T joint_torque(int i, const SeaState<T>& s, T* motor, Requested&& requested) const {
-    const JointConstants<T>& d = drive[i];
-    T out(0), tau(0);
-    if constexpr (!kPlain) out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
-    if (kind(i) == DriveKind::kElastic) {
-      tau = elastic_torque(i, s);
-      if (extended(i)) {
-        out += output_torque<kSea>(d.sea, s.dphi, tau);
-        if (motor) *motor = torque_on_motor<kSea>(d.sea, s.dphi_m, requested(), tau);
-        if (motor && d.has_friction[kMotorSide])
-          *motor = masked(!stuck(i, kMotorSide), T(*motor - coulomb(i, kMotorSide, s.dphi_m, tau)));
-      } else {
-        out += tau;
-        if (motor) *motor = torque_on_motor<kPlainSea>(d.sea, s.dphi_m, requested(), tau);
-      }
-      if (motor) *motor = *motor / d.sea.i_motor;
-    } else if (kind(i) == DriveKind::kGeared) {
-      tau = requested();
-      out += tau;
-      if (extended(i)) out -= d.sea.viscous * s.dphi;
-    } else {
-      out -= d.stiffness * (s.phi - d.rest) + d.damping * s.dphi;
-    }
-    if (!kPlainDrives && d.has_friction[kOutputSide]) out -= coulomb(i, kOutputSide, s.dphi, tau);
-    return out;
-  }
-  /// Torque of the spring of an elastic drive in its mode [Nm].
-  UKEMI_INLINE T elastic_torque(int i, const SeaState<T>& s) const {
-    return limited_torque<kSea>(drive[i].sea, spring_torque<kSea>(drive[i].sea, s), joint[i].saturation);
-  }
-  template <class Time>
-  T geared_torque(int i, const Time& t, const SeaState<T>& s) const {
-    const Reference<T> r = reference(i, t);
-    return drive[i].sea.k_p * (r.phi - s.phi) + drive[i].sea.k_d * (r.dphi - s.dphi);
-  }
 
   /// Height, velocity and acceleration of a contact normal to and (_t) along the floor; accelerations only with `acc`.
   struct Point {
@@ -520,123 +420,8 @@ class BodySystem
     return acceleration(body.peak, pose(y), accelerations_of(dy), body.bodies).squaredNorm();
   }
 
-  /// All guards; G: doubles, scalars with derivatives, or lanes.
-  template <class Time, class G>
-  void guards(const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
-    out = {};
-    const Pose p = pose(y);
-    const Accelerations acc = accelerations_of(dy);
-    contact_guards(p, acc, y, dy, out);
-    for (int i = 0; i < body.joints; ++i) joint_guards(i, t, y, dy, out);
-    if constexpr (!kPlainDrives)
-      if (has_friction) [[unlikely]]
-        this->friction_guards(kFrictionGuards, t, y, dy, out);
-  }
-  int guards_used() const { return has_friction ? kGuards : kFrictionGuards; }
-  template <class G>
-  void contact_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
-                      integrate::Guards<kGuards, G>& out) const {
-    for (int i = 0; i < kC; ++i) {
-      if (i >= body.contacts) break;  // a constant bound is unrolled
-      if constexpr (!kIsPack<T>)
-        if (!contact[i].touching) {  // its guard needs no acceleration
-          surface_guard(i, point_at(i, p), out);
-          continue;
-        }
-      point_guards(i, point_at(i, p, &acc), y, dy, out);
-    }
-    if (has_stops()) [[unlikely]]
-      stop_guards(p, acc, y, dy, out);
-  }
-  template <class G>
-  [[gnu::noinline]] void stop_guards(const Pose& p, const Accelerations& acc, const State& y, const State& dy,
-                                     integrate::Guards<kGuards, G>& out) const {
-    for (int i = body.stops_begin; i < body.stops_end; ++i) point_guards(i, stop_at(i, p, y, &acc), y, dy, out);
-  }
-  template <class G>
-  void surface_guard(int i, const Point& at, integrate::Guards<kGuards, G>& out) const {
-    const auto touching = contact[i].touching;
-    const G height = narrowed<G>(T(at.y - point[i].thickness)), speed = narrowed<G>(at.v);
-    out.set(kGuardsPerContact * i + kSurface, select(touching, G(-height), height), select(touching, G(-speed), speed));
-  }
-  /// Guards of a contact at its present height.
-  template <class G>
-  void point_guards(int i, const Point& at, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
-    const ContactConstants<T>& x = point[i];
-    const auto& m = contact[i];
-    const int first = kGuardsPerContact * i;
-    // `holds`: whether `value` is positive in the mode.
-    const auto set = [&](int guard, const auto& holds, const T& value, const T& rate, const auto& active) {
-      const G v = narrowed<G>(value), r = narrowed<G>(rate);
-      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
-    };
-    surface_guard(i, at, out);
-    const auto touching = m.touching;
-    if (!any(touching)) return;
-    const WithRate<T> floor = floor_force(x, at.y, at.v, at.a);
-    if (is_padded(i)) {
-      const WithRate<T> pad = pad_force(x, at.y, at.v, at.a);
-      set(kPadForce, m.pad, pad.value, pad.rate, touching);
-      set(kBottom, !m.below, at.y, at.v, touching);
-    }
-    if (!(x.hunt_crossley && !any(x.dissipation != T(0)))) set(kFloorForce, m.floor, floor.value, floor.rate, m.below);
-    if constexpr (kPlain) return;
-    if (!x.has_friction) return;
-    const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
-    const T f = sticking_force(i, y, at), df = x.k_t * dy[kSlip + i] + x.c_t * at.a_t;
-    const T limit = x.mu * normal.value + T(kStickTolerance), d_limit = x.mu * normal.rate;
-    const auto forward = slides_forward(m), back = slides_back(m);
-    const auto sticks = touching & !forward & !back;
-    set(kSlideUp, sticks, T(limit - select(back, T(-f), f)), T(d_limit - select(back, T(-df), df)), touching);
-    set(kSlideDown, sticks, T(limit + f), T(d_limit + df), sticks);
-  }
-  template <class Time, class G>
-  void joint_guards(int i, const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
-    const JointConstants<T>& d = drive[i];
-    if (kind(i) == DriveKind::kPassive) return;
-    const Value limit = value_of(d.sea.tau_max);
-    const auto limited = (limit > Value(0)) & (limit < Value(std::numeric_limits<double>::infinity()));
-    if (!any(limited)) return;
-    const SeaState<T> s = joint_state(i, y);
-    const int parent = parent_of(i);
-    const T ddphi = dy[kOmega + child_of(i)] - (parent < 0 ? T(0) : T(dy[kOmega + parent]));
-    T tau, rate;
-    if (kind(i) == DriveKind::kElastic) {
-      tau = spring_torque<kSea>(d.sea, s);
-      rate = spring_torque_rate<kSea>(d.sea, s, ddphi, T(dy[kOmegaM + i]));
-    } else {
-      constexpr double kStep = 1e-7;  // for the reference's acceleration by a difference [s]
-      const Reference<T> r = reference(i, t), next = reference(i, t + Time(kStep));
-      tau = geared_torque(i, t, s);
-      rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((next.dphi - r.dphi) / T(kStep) - ddphi);
-    }
-    const int first = kJointGuards + kGuardsPerJoint * i;
-    const auto upper = at_upper(joint[i].saturation), lower = at_lower(joint[i].saturation);
-    const auto set = [&](int guard, const auto& holds, const T& value, const T& value_rate, const auto& active) {
-      const G v = narrowed<G>(value), r = narrowed<G>(value_rate);
-      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
-    };
-    set(kUpper, upper, T(tau - d.sea.tau_max), rate, limited & !lower);
-    set(kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
-  }
-
   // Dry friction, see dry_friction.hpp.
 
-  /// Mean dry friction of a side of joint i at torque tau [Nm], and its asymmetry. A geared motor's is on the output.
-  T mean_friction(int i, Side side, const T& tau) const {
-    const JointConstants<T>& d = drive[i];
-    if (side == kOutputSide && d.kind == DriveKind::kElastic) return d.sea.output_friction;
-    return d.kind == DriveKind::kPassive ? d.sea.friction : loaded_friction(d.sea.friction, d.sea.spring_loss, tau);
-  }
-  const T& asymmetry(int i, Side side) const {
-    const bool output = side == kOutputSide && drive[i].kind == DriveKind::kElastic;
-    return output ? drive[i].sea.output_friction_asymmetry : drive[i].sea.friction_asymmetry;
-  }
-  /// Dry friction on a side that slips at the rate v [Nm].
-  T coulomb(int i, Side side, const T& v, const T& tau) const {
-    return coulomb_torque(drive[i].sea, mean_friction(i, side, tau), asymmetry(i, side),
-                          direction_of<T>(joint[i].slip[side]), v);
-  }
   Lane stuck(int i, Side side) const { return Friction::stuck(kSides * i + side); }
   /// The constraints of the joints and the rail that stick in the mode.
   StickConstraints<T, kSize> stick_constraints() const {
