@@ -42,8 +42,8 @@ double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& l
 bool rated(const BodyScene& scene);
 /// Index of the load that gives the worth; -1 without loads to minimise.
 int binding(const BodyScene& scene, const BodyLanding& landing);
-/// The largest value that keeps a rating: rounding may take a torque that is clamped at it beyond it.
-constexpr double rating_limit(double rating) { return rating * (1 + 1e-12); }
+/// The largest value that keeps a rating: steps and rounding may take a torque that is clamped at it beyond it.
+constexpr double rating_limit(double rating) { return rating * (1 + 1e-6); }
 /// The same of a load; infinite for the torque of a geared motor whose tau_max is within its rating: lanes, which place
 /// that limit's event less exactly, may read a little more.
 double rating_limit(const Load& load, const Robot& robot);

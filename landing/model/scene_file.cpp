@@ -259,7 +259,7 @@ std::string motion_tables(const Motion& m, const std::string& joint) {
     text += "bumps_deg = [" + bumps + "]\n";
   }
   if (m.gain_p != 1 || m.gain_d != 1)
-    text += fmt::format("gain_p = {}  # factor of K_p from the first touchdown on\ngain_d = {}  # of K_d\n",
+    text += fmt::format("gain_p = {}  # factor of K_p from the start of the landing motion on\ngain_d = {}  # of K_d\n",
                         shortest(m.gain_p), shortest(m.gain_d));
   if (const auto& r = m.reposition)
     text += fmt::format(

@@ -92,6 +92,15 @@ std::vector<BodyDrop> read_drops(const std::string& path, const BodyScene& scene
                          set(out[row], value);
                          out[row].scene.validate();
                        }});
+  const auto none = [&](const std::string& name, const char* why) {
+    columns.push_back({name, "", [why](std::size_t, double value) {
+                         if (value != 0) throw InputError(why);
+                       }});
+  };
+  const Base base = scene.robot.base;
+  if (base != Base::kFree) none("forward_speed", "a robot on a rail or a pin has none");
+  if (base == Base::kRail) none("pitch_rate_deg", "a robot on a rail has none");
+  if (base == Base::kPinned) none("height", "a pinned robot is not dropped");
   read_drop_rows(path, columns, [&](std::size_t rows) { out.assign(rows, planned); });
   return out;
 }

@@ -84,7 +84,7 @@ Coordinates slice_of(const BodySpace& space, const BodyScene& scene, const BodyM
   for (std::size_t i = 0; i < given.size(); ++i) {
     const Joint& joint = scene.robot.joints[i];
     if (!joint.driven()) continue;
-    if (given[i].reposition)
+    if (given[i].reposition && !nearest[i].reposition)
       throw InputError(where,
                        fmt::format("joint '{}' moves in the air: motions without such a move are mapped", joint.name));
     double a = 0, b = 0;

@@ -375,6 +375,8 @@ TEST_CASE("drops as they were measured are played and planned for, of a robot of
   check_refused(f, Arguments{"risk", kHopper, "--samples", "100"} + drops, {"--samples", "--drops"});
   f.write("drops.csv", "height,colour\n0.3,1\n-0.3,1\n");
   check_refused(f, Arguments{"risk", kHopper} + drops, {"drops.csv:3:1: 'height': -0.3: "});
+  f.write("drops.csv", "height,forward_speed\n0.3,0\n0.3,1\n");
+  check_refused(f, Arguments{"risk", kHopper} + drops, {"drops.csv:3:5: 'forward_speed': 1: ", "rail"});
 }
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {

@@ -115,6 +115,32 @@ TEST_CASE("compare of a robot of links refuses what is no drive of it, in one li
                 {"--nominal: ", "one file is needed"});
 }
 
+TEST_CASE("compare shows every constant that differs, and doubts landings that a simulation would doubt") {
+  const Folder f;
+  const std::string drive =
+      "[actuator]\nname = \"knee\"\nk_p = 50\nk_d = 1\nk_sea = 65\nc_sea = 1.6\n"
+      "i_motor = 0.085\ntau_max = 20\n";
+  f.write("plain.toml", drive), f.write("late.toml", drive + "control_delay = 0.02\n");
+  const auto compared = [&](const std::string& identified) {
+    done(f, {"compare", "--scene", kThree, "--nominal", "knee=plain.toml", "--identified", "knee=" + identified,
+             "--evaluations", "200", "--no-report", "-o", "out"});
+    return summary(f);
+  };
+  const Json s = compared("late.toml");
+  CHECK(s["parameters"]["control_delay_knee"]["identified"] == 0.02);
+  CHECK(s["parameters"]["control_delay_knee"]["difference_percent"].is_null());
+  CHECK_FALSE(s["parameters"].contains("k_p_hip"));
+  CHECK(warned(s, "best for nominal, with identified: knee: the drive is unstable"));
+  CHECK(warned(s, "best for nominal, with identified: joint hip turns from"));
+  // Of so short a search the motion of the nominal set is the better one for both.
+  f.write("rubs.toml", drive + "friction = 3\n");
+  const Json rubs = compared("rubs.toml");
+  const double own = rubs["peaks"]["identified_motion"]["identified"],
+               other = rubs["peaks"]["nominal_motion"]["identified"];
+  REQUIRE(other < 0.99 * own);
+  CHECK(warned(rubs, "the motion planned with the nominal constants is better with the identified ones"));
+}
+
 TEST_CASE("map plays a robot of links over a grid of some variables, the others as a motion has them") {
   const Folder f;
   f.write("slice.toml",
@@ -156,6 +182,14 @@ TEST_CASE("map plays a robot of links over a grid of some variables, the others 
   CHECK_THAT(read(f.at("out/basins.csv")), Contains("phi_i_hip_deg") && Contains("tolerant_peak"));
   done(f, map + Arguments{"--threads", "1", "-o", "one"});
   CHECK(summary(f, "one")["basins"] == s["basins"]);
+  const std::string released = replaced(read(kHopper), "\"../robots", "\"" + dataset("robots")) +
+                               "\n[release]\nfrom = 0.02\n[release.hip]\nphi_deg = 30\n[release.knee]\nphi_deg = -60\n";
+  f.write("released.toml", released);
+  done(f, {"optimize", "released.toml", "--evaluations", "300", "--no-report", "-o", "moved"});
+  done(f, {"map", "released.toml", "--vary", "to:5", "--slice", "moved/motion.toml", "--polish", "1", "-o", "moves"});
+  CHECK_THAT(read(f.at("moves/map.csv")), Contains(",peak_contact,contacts"));
+  check_refused(f, {"map", kHopper, "--vary", "phi_i_hip:9", "--slice", "moved/motion.toml", "-o", "none"},
+                {"moved/motion.toml: joint 'hip' moves in the air"});
   done(f, {"map", kHopper, "--vary", "phi_i_hip:9", "--polish", "1", "-o", "line"});
   CHECK_THAT(read(f.at("line/report.html")), Contains("id=\"figure-map\""));
 }

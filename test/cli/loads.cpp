@@ -130,6 +130,23 @@ TEST_CASE("simulate tells every load, its time and which binds, and nothing with
   CHECK(summary(f, "plain")["peak_acceleration"] == s["peak_acceleration"]);
 }
 
+TEST_CASE("risk of a scene with loads is of the peak, and tells loads beyond their ratings") {
+  const Folder f;
+  write_scene(f, kAcceleration + replaced(kFoot, "rating = 150", "rating = 10"));
+  const Result r = done(f, {"risk", "scene.toml", "--samples", "100", "-o", "out"});
+  CHECK_THAT(r.out, Contains("peak |a| [m/s^2]") && !Contains("of the rating"));
+  CHECK_THAT(read(f.at("out/report.html")), Contains("beyond 10 N in 100.0 %") && !Contains("largest load"));
+}
+
+TEST_CASE("a drive that is clamped at its rating keeps it") {
+  const Folder f;
+  const std::string robot = read(dataset("robots/hopper.toml"));
+  f.write("hopper.toml",
+          replaced(replaced(robot, "tau_max = 12", "tau_max = 12\nmotor_torque_max = 12"), "k_p = 50", "k_p = 1e7"));
+  f.write("scene.toml", replaced(read(dataset("scenes/hopper.toml")), "\"../robots/hopper.toml", "\"hopper.toml"));
+  CHECK_THAT(done(f, {"simulate", "scene.toml", "-o", "out", "--no-report"}).err, !Contains("rated 12 Nm"));
+}
+
 TEST_CASE("optimize plans for loads and keeps those that are limits, by a deadline and under scatter too") {
   const Folder f;
   write_scene(f, replaced(kAcceleration, "rating = 1", "rating = 40") + kFoot + kNoTouch);

@@ -214,7 +214,6 @@ int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& ris
                   .assumed = risk.assumed,
                   .of_motion = of_motion,
                   .acceleration = "|a|",
-                  .rated = rated(scene),
                   .point = contact_name(robot),
                   .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
                   .load = {},

@@ -29,7 +29,8 @@ const Quantities<ConstantDifference> kConstantQuantities = {
     {"nominal", "nominal", "nominal", "{:.5g}", [](auto& c) { return c.value[0]; }},
     {"identified", "identified", "identified", "{:.5g}", [](auto& c) { return c.value[1]; }},
     {"difference", &ConstantDifference::difference},
-    {"difference_percent", "difference_percent", "difference", signed_percent, &ConstantDifference::percent},
+    {"difference_percent", "difference_percent", "difference", signed_percent,
+     [](auto& c) { return number(c.percent()); }},
     {"std", [](auto& c) { return number(c.std); }},
     {"z", "z", "in standard errors", "{:+.1f}", [](auto& c) { return number(c.z()); }},
     {"inside_ci95", "inside_ci95", "nominal inside the 95 % interval", {}, inside},
@@ -143,6 +144,19 @@ void report_constants(const std::vector<ConstantDifference>& rows, Json& summary
                   "its 95 % interval.");
 }
 
+void warn_of_short_search(const ComparisonTexts& c, Run& run) {
+  constexpr double kSame = 1e-4;  // relative
+  if (!c.landed) return;
+  for (std::size_t s = 0; s < 2; ++s) {
+    const double own = c.motions[s].peaks[s], other = c.motions[1 - s].peaks[s];
+    if (other < (1 - kSame) * own)
+      run.warn(
+          fmt::format("the motion planned with the {} constants is better with the {} ones than their own: {:.4g}, "
+                      "not {}; more --evaluations find better motions",
+                      kSets[1 - s], kSets[s], other, goal_text(own, c.rated)));
+  }
+}
+
 void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run& run) {
   for (const MotionTexts& m : c.motions) {
     summary["motions"][m.set] = m.numbers;
@@ -167,6 +181,8 @@ void report_motions(const ComparisonTexts& c, Json& summary, Report& report, Run
 
 int report(const Comparison& c, Json summary, Run& run) {
   warn(c, run);
+  const ComparisonTexts texts = texts_of(c);
+  warn_of_short_search(texts, run);
   Report report = comparison_page({c.sets[0].name, c.sets[1].name}, run);
   report_constants(c.constants, summary, report, run);
   if (c.predictions) {
@@ -177,7 +193,7 @@ int report(const Comparison& c, Json summary, Run& run) {
     report.heading("Residuals on the trials, rms");
     report.table(rows);
   }
-  report_motions(texts_of(c), summary, report, run);
+  report_motions(texts, summary, report, run);
   if (c.landed()) {
     run.add("trajectories.csv", trajectories_csv(c, run));
     show({*c.scene,

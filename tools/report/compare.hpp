@@ -58,6 +58,8 @@ void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run&
       if (l && no_landing(l->end)) run.warn(failure_words(*l, point));
 }
 
+/// Warns of a set for which the other set's motion is better than the one that was searched for it.
+void warn_of_short_search(const ComparisonTexts& comparison, Run& run);
 /// Begins the page of a comparison, with the run's warnings.
 Report comparison_page(const PerSet<std::string>& names, const Run& run);
 /// Reports the constants on terminal, page and summary, and writes parameters.csv.

@@ -1,6 +1,7 @@
 #include "landing/body/load.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/compare.hpp"
+#include "tools/report/landing_doubts.hpp"
 #include "tools/report/scatter.hpp"
 
 namespace ukemi::tools {
@@ -49,10 +50,17 @@ ComparisonTexts texts_of(const BodyComparison& c) {
 
 int report(const BodyComparison& c, const PerSet<std::string>& names, Run& run) {
   warn_of_motions(c.motions, "contact", run);
+  for (const ComparedBodyMotion& m : c.motions)
+    for (std::size_t s = 0; s < 2; ++s)
+      if (m.landings[s])
+        warn_of(landing_doubts(c.scenes[s], m.best.motion, *m.landings[s]), run,
+                fmt::format("best for {}, with {}: ", m.set, kSets[s]));
+  const ComparisonTexts texts = texts_of(c);
+  warn_of_short_search(texts, run);
   Report report = comparison_page(names, run);
   Json summary;
   report_constants(c.constants, summary, report, run);
-  report_motions(texts_of(c), summary, report, run);
+  report_motions(texts, summary, report, run);
   if (c.landed()) {
     run.add("trajectories.csv", trajectories_csv(c, run));
     show(c.scenes[1],

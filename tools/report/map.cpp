@@ -25,9 +25,10 @@ std::string contact_names(const ContactOrder& contacts, const std::vector<std::s
 
 std::string map_csv(const Run& run, const PeakMap& map, const MapTexts& texts) {
   CsvWriter csv = run.csv();
-  csv.comment(
-      "contacts: " + texts.points_words +
-      ", in the order in which they touch; peak_contact: which of them made the peak, counted from 1, 0: none.");
+  csv.comment("contacts: " + texts.points_words +
+              ", in the order in which they touch; peak_contact: which of them made the peak, counted from 1, 0: none. "
+              "Without chatter; of a landing "
+              "that breaks a limit up to there.");
   std::vector<Display> axes;
   std::vector<std::string> header;
   for (const Variable& v : map.variables) axes.push_back(display(v)), header.push_back(axes.back().key);

@@ -175,11 +175,11 @@ std::string index_words(const PeakRisk& r) {
                      with_spaces(u.name), percent_words(u.index.first.value), percent_words(u.index.total.value));
 }
 
-std::string held_comparison(const PeakRisk& r, bool rated) {
+std::string held_comparison(const PeakRisk& r) {
   const double cvar = r.peaks.cvar90.value, held = r.held.cvar90.value;
   if (!std::isfinite(held)) return "The held reference could not be followed.";
   return fmt::format("The worst tenth of the drops: {} on average, {:.1f} % {} holding's {:.4g}.",
-                     goal_text(cvar, rated), 100 * std::abs(1 - cvar / held), cvar > held ? "above" : "below", held);
+                     goal_text(cvar, false), 100 * std::abs(1 - cvar / held), cvar > held ? "above" : "below", held);
 }
 
 void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
@@ -204,16 +204,17 @@ void warn(const PeakRisk& r, const RiskTexts& t, Run& run) {
   constexpr double kRounding = 1e-6;  // relative, between lanes and the scalar path
   if (r.peaks.cvar90.value > (1 + kRounding) * r.held.cvar90.value)
     run.warn(fmt::format("the worst tenth of the drops is worse than that of the reference {}: {:.4g} and {}", t.held,
-                         r.peaks.cvar90.value, goal_text(r.held.cvar90.value, t.rated)));
+                         r.peaks.cvar90.value, goal_text(r.held.cvar90.value, false)));
 }
 
-/// The motors' speeds and torques over the drops.
+/// The motors' speeds and torques and the loads with ratings over the drops.
 Check within_ratings(const PeakRisk& r, const RiskTexts& t) {
   using Kind = RiskEvent::Kind;
   Check out{Check::State::kUnknown, "within ratings", "ratings unknown"};
   std::vector<std::string> beyond;
   for (const RiskEvent& e : r.events) {
-    if (e.kind != Kind::kSpeed && e.kind != Kind::kTorque) continue;
+    const bool load = e.kind == Kind::kLoad && !t.load(e.load).limit;
+    if (e.kind != Kind::kSpeed && e.kind != Kind::kTorque && !load) continue;
     const Share share = share_of(e, t, r.peaks.samples);
     if (e.drops > 0) beyond.push_back(fmt::format("{} in {} of the drops", share.words, percent_words(share.share())));
     out =
@@ -223,9 +224,8 @@ Check within_ratings(const PeakRisk& r, const RiskTexts& t) {
 }
 
 FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
-  FirstScreen out{.sentence =
-                      held_comparison(r, t.rated) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
-  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value, t.rated),
+  FirstScreen out{.sentence = held_comparison(r) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
+  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value, false),
                 check(r.failed == 0, "every drop was followed",
                       fmt::format("{} of {}", r.peaks.samples, r.peaks.samples + r.failed)),
                 check(r.lost == 0, "the drive keeps the joint", fmt::format("lost in {} drops", r.lost)),
@@ -261,7 +261,7 @@ std::string drops_words(const Scatter& scatter, bool assumed, const std::string&
 int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::string()>& worst, Run& run) {
   warn(r, t, run);
   const std::vector<NamedDistribution> distributions = {{"motion", r.peaks}, {t.held, r.held}};
-  const std::string what = distributed_words(t.acceleration, t.rated);
+  const std::string what = distributed_words(t.acceleration, false);
   const Table peaks(named_quantities(what), distributions);
   std::vector<Share> touches, exceedances;
   for (const RiskEvent& e : r.events)
@@ -296,8 +296,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   page.paragraph(t.motion + ".");
   page.paragraph(t.drops);
   add_table(peaks, page, run);
-  for (const std::string& sentence : {held_comparison(r, t.rated), index_words(r)})
-    run.say(sentence), page.paragraph(sentence);
+  for (const std::string& sentence : {held_comparison(r), index_words(r)}) run.say(sentence), page.paragraph(sentence);
   if (t.limited) {
     const std::string sentence = fmt::format("All limits hold in {:.2f} % of the drops.", 100 * r.kept());
     run.say(sentence), page.paragraph(sentence);

@@ -34,7 +34,6 @@ struct RiskTexts {
   bool assumed = false;
   Json of_motion;
   std::string acceleration = "|ddr_0|";  ///< its symbol
-  bool rated = false;                    ///< peaks are loads divided by their ratings
   PointName point = point_name;
   std::function<std::string(int)> joint = {};   ///< names of joints of a robot of links
   std::function<landing::Load(int)> load = {};  ///< loads of a robot of links

@@ -31,7 +31,8 @@ std::vector<ConstantDifference> drive_differences(const PerSet<BodyScene>& scene
     std::vector<ConstantDifference> rows = differences({drive_of(joint[0]), drive_of(joint[1])}, "_" + joint[0].name);
     std::erase_if(rows, [](const ConstantDifference& c) { return c.value[0] == 0 && c.value[1] == 0; });
     all.insert(all.end(), rows.begin(), rows.end());
-    if (constants(joint[0].sea) != constants(joint[1].sea)) out.insert(out.end(), rows.begin(), rows.end());
+    if (std::any_of(rows.begin(), rows.end(), [](auto& c) { return c.difference() != 0; }))
+      out.insert(out.end(), rows.begin(), rows.end());
   }
   return out.empty() ? all : out;
 }

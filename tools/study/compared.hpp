@@ -21,11 +21,13 @@ struct ConstantDifference {
   std::optional<double> std;  ///< standard error of the identified one
 
   double difference() const { return value[1] - value[0]; }
-  double percent() const { return 100 * difference() / value[0]; }
+  std::optional<double> percent() const {  ///< of the nominal value; absent where that is 0
+    return value[0] != 0 ? std::optional(100 * difference() / value[0]) : std::nullopt;
+  }
   std::optional<double> z() const;     ///< difference in standard errors
   std::optional<bool> inside() const;  ///< whether the nominal value lies in the identified one's 95 % interval
 };
-/// The five constants of an actuator in both sets, `suffix` appended to their names.
+/// The five constants of an actuator in both sets, then the others that differ; `suffix` is appended to their names.
 std::vector<ConstantDifference> differences(const PerSet<Actuator>& sets, const std::string& suffix = "");
 
 /// A set's best motion, landed under both sets.

@@ -1,7 +1,9 @@
 #include "tools/study/comparison.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "common/actuator_constants.hpp"
 #include "landing/plan/body_drops.hpp"
 
 namespace ukemi::tools {
@@ -21,6 +23,12 @@ std::vector<ConstantDifference> differences(const PerSet<Actuator>& sets, const 
   for (std::size_t i = 0; i < kConstants; ++i)
     out.push_back(
         {kConstantNames[i] + suffix, kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
+  for (const ActuatorConstant& c : actuator_constants()) {
+    const PerSet<double> value = {sets[0].sea.*c.at, sets[1].sea.*c.at};
+    if (std::find(kConstantNames.begin(), kConstantNames.end(), std::string(c.key)) == kConstantNames.end() &&
+        value[0] != value[1])
+      out.push_back({c.key + suffix, c.unit, value, sets[1].standard_error(c.key)});
+  }
   return out;
 }
 

@@ -43,6 +43,8 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
     const bool named = equal != std::string::npos && text.find_first_of("/.\\") > equal;
     out.push_back(named ? GivenDrive{text.substr(0, equal), text.substr(equal + 1), option}
                         : GivenDrive{"", text, option});
+    if (out.back().file.empty())
+      throw InputError(fmt::format("{}: {}: a file is needed, as FILE or JOINT=FILE", option, ukemi::quoted(text)));
     const auto same = [&](const GivenDrive& g) { return g.joint == out.back().joint; };
     if (std::count_if(out.begin(), out.end(), same) > 1)
       throw InputError(fmt::format("{}: {}: given twice", option,
@@ -204,7 +206,12 @@ void apply_release(const FreedomArguments& a, BodyScene& scene) {
 }  // namespace
 
 void keep_ratings(BodyScene& scene, Run& run) {
-  for (const std::string& joint : respect_ratings(scene))
+  const std::vector<std::string> without = respect_ratings(scene);
+  const auto driven =
+      std::count_if(scene.robot.joints.begin(), scene.robot.joints.end(), [](const Joint& j) { return j.driven(); });
+  if (long(without.size()) == driven)
+    throw InputError("--respect-ratings: no drive has speed_max or motor_torque_max: there is no rating to keep");
+  for (const std::string& joint : without)
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
 }
 
