@@ -373,6 +373,7 @@ TEST_CASE("drops as they were measured are played and planned for, of a robot of
     check_refused(f, Arguments{"optimize", kHopper} + drops + more, {more[0], "--drops"});
   }
   check_refused(f, Arguments{"risk", kHopper, "--samples", "100"} + drops, {"--samples", "--drops"});
+  check_refused(f, {"optimize", kHopper, "--columns", "t=Time", "-o", "none"}, {"--columns: --log is needed"});
   f.write("drops.csv", "height,colour\n0.3,1\n-0.3,1\n");
   check_refused(f, Arguments{"risk", kHopper} + drops, {"drops.csv:3:1: 'height': -0.3: "});
   f.write("drops.csv", "height,forward_speed\n0.3,0\n0.3,1\n");

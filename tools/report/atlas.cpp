@@ -192,8 +192,9 @@ int report(const AtlasLookup& a, Run& run) {
     run.warn(none), page.paragraph(none);
   } else {
     if (!a.inside) run.warn("the grid does not reach this drop: the motion that is safest over all of its own");
-    const std::string said = fmt::format("{}: {} {:.4g} {}, peak {} m/s^2; held {}", a.motion_words, a.goal, a.value,
-                                         a.unit, peak_words(a.peak), peak_words(a.held));
+    const std::string said =
+        fmt::format("{}: {} {:.4g} {}{}; held {}", a.motion_words, a.goal, a.value, a.unit,
+                    a.goal == "peak" ? "" : fmt::format(", peak {} m/s^2", peak_words(a.peak)), peak_words(a.held));
     run.say(said), page.paragraph(said + ".");
     if (a.holds) run.warn("no motion of the drops around lands as softly here as the held posture: that is the answer");
     if (!a.holds) summary["planned_for"] = drop_json(a.planned);

@@ -88,6 +88,8 @@ double writing_time(double deadline) {
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const bool of_links = is_of_links(a.scene);
   if (!of_links) refuse_set(a.set);
+  if (a.logs.files.empty() && !(a.logs.columns.empty() && a.logs.pieces.empty()))
+    throw InputError((a.logs.columns.empty() ? "--pieces" : "--columns") + std::string(": --log is needed"));
   if (of_links || a.share) return optimize_body(a, common);
   if (!a.logs.files.empty()) throw InputError("--log: of robots of links: the paper's robot has no log's commands");
   const std::string file = only_actuator(a.actuators);
