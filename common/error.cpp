@@ -35,6 +35,14 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   }
   return row[b.size()];
 }
+
+/// The letters of a name in order, without _: the same for names that differ by a swap or by _ alone.
+std::string letters(const std::string& name) {
+  std::string out = name;
+  std::erase(out, '_');
+  std::sort(out.begin(), out.end());
+  return out;
+}
 }  // namespace
 
 std::string nearest(const std::string& given, const std::vector<std::string>& known) {
@@ -43,7 +51,9 @@ std::string nearest(const std::string& given, const std::vector<std::string>& kn
   for (const std::string& k : known) {
     const bool contained =
         given.size() > 2 && (k.find(given) != std::string::npos || given.find(k) != std::string::npos);
-    const std::size_t d = contained ? std::min<std::size_t>(2, edit_distance(given, k)) : edit_distance(given, k);
+    const std::size_t edits = edit_distance(given, k), d = letters(k) == letters(given) ? 0
+                                                           : contained ? std::min<std::size_t>(2, edits)
+                                                                       : edits;
     if (d < distance) best = k, distance = d;
   }
   return best;

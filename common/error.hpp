@@ -21,8 +21,8 @@ class InputError : public std::runtime_error {
   InputError(const Location& where, const std::string& message) : InputError(where.text() + ": " + message) {}
 };
 
-/// The key of `known` nearest to `given` by edit distance, or empty where none is near (more than 2 edits and a third
-/// of its length).
+/// The key of `known` nearest to `given`: with the same letters, else by edit distance, or empty where none is near
+/// (more than 2 edits and a third of its length).
 std::string nearest(const std::string& given, const std::vector<std::string>& known);
 
 /// ` (did you mean "x"?)` for the nearest key, or an empty text.

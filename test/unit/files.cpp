@@ -52,6 +52,8 @@ std::string csv_error(const std::string& text) {
 TEST_CASE("nearest names the key that was meant, and none where none is near") {
   CHECK(nearest("stifness", {"damping_normal", "stiffness"}) == "stiffness");
   CHECK(nearest("kp", {"k_d", "k_p", "k_sea"}) == "k_p");
+  CHECK(nearest("k_p", {"k_d", "kp"}) == "kp");
+  CHECK(nearest("k_sea", {"c_sea", "k_sae"}) == "k_sae");
   CHECK(nearest("pitch", {"height", "pitch_deg"}) == "pitch_deg");
   CHECK(nearest("temperature", {"k_p", "stiffness"}).empty());
   CHECK(nearest("k_p", {}).empty());
