@@ -94,7 +94,7 @@ class BodyDrives {
     const System& self = system();
     const JointConstants<T>& d = self.drive[i];
     T out(0), tau(0);
-    if constexpr (!System::kPlain) out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
+    if constexpr (!System::kStraight) out = -d.parallel_stiffness * (s.phi - d.parallel_rest);
     if (self.kind(i) == DriveKind::kElastic) {
       tau = elastic_torque(i, s);
       if (self.extended(i)) {

@@ -65,31 +65,27 @@ class BodyGuards {
     const ContactConstants<T>& x = self.point[i];
     const auto& m = self.contact[i];
     const int first = System::kGuardsPerContact * i;
-    // `holds`: whether `value` is positive in the mode.
-    const auto set = [&](int guard, const auto& holds, const T& value, const T& rate, const auto& active) {
-      const G v = narrowed<G>(value), r = narrowed<G>(rate);
-      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
-    };
     surface_guard(i, at, out);
     const auto touching = m.touching;
     if (!any(touching)) return;
     const WithRate<T> floor = floor_force(x, at.y, at.v, at.a);
     if (self.is_padded(i)) {
       const WithRate<T> pad = pad_force(x, at.y, at.v, at.a);
-      set(System::kPadForce, m.pad, pad.value, pad.rate, touching);
-      set(System::kBottom, !m.below, at.y, at.v, touching);
+      set_guard(out, first + System::kPadForce, m.pad, pad.value, pad.rate, touching);
+      set_guard(out, first + System::kBottom, !m.below, at.y, at.v, touching);
     }
     if (!(x.hunt_crossley && !any(x.dissipation != T(0))))
-      set(System::kFloorForce, m.floor, floor.value, floor.rate, m.below);
-    if constexpr (System::kPlain) return;
+      set_guard(out, first + System::kFloorForce, m.floor, floor.value, floor.rate, m.below);
+    if constexpr (System::kStraight) return;
     if (!x.has_friction) return;
     const WithRate<T> normal = normal_force(x, m, at.y, at.v, at.a);
     const T f = self.sticking_force(i, y, at), df = x.k_t * dy[System::kSlip + i] + x.c_t * at.a_t;
     const T limit = x.mu * normal.value + T(kStickTolerance), d_limit = x.mu * normal.rate;
     const auto forward = slides_forward(m), back = slides_back(m);
     const auto sticks = touching & !forward & !back;
-    set(System::kSlideUp, sticks, T(limit - select(back, T(-f), f)), T(d_limit - select(back, T(-df), df)), touching);
-    set(System::kSlideDown, sticks, T(limit + f), T(d_limit + df), sticks);
+    set_guard(out, first + System::kSlideUp, sticks, T(limit - select(back, T(-f), f)),
+              T(d_limit - select(back, T(-df), df)), touching);
+    set_guard(out, first + System::kSlideDown, sticks, T(limit + f), T(d_limit + df), sticks);
   }
   template <class Time, class G, class State, int kGuards>
   void joint_guards(int i, const Time& t, const State& y, const State& dy, integrate::Guards<kGuards, G>& out) const {
@@ -113,17 +109,20 @@ class BodyGuards {
       tau = self.geared_torque(i, t, s);
       rate = d.sea.k_p * (r.dphi - s.dphi) + d.sea.k_d * ((next.dphi - r.dphi) / T(kStep) - ddphi);
     }
-    const int first = System::kJointGuards + System::kGuardsPerJoint * i;
     const auto upper = at_upper(self.joint[i].saturation), lower = at_lower(self.joint[i].saturation);
-    const auto set = [&](int guard, const auto& holds, const T& value, const T& value_rate, const auto& active) {
-      const G v = narrowed<G>(value), r = narrowed<G>(value_rate);
-      out.set(first + guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
-    };
-    set(System::kUpper, upper, T(tau - d.sea.tau_max), rate, limited & !lower);
-    set(System::kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
+    const int first = System::kJointGuards + System::kGuardsPerJoint * i;
+    set_guard(out, first + System::kUpper, upper, T(tau - d.sea.tau_max), rate, limited & !lower);
+    set_guard(out, first + System::kLower, !lower, T(tau + d.sea.tau_max), rate, limited & !upper);
   }
 
  private:
+  /// `holds`: whether `value` is positive in the mode.
+  template <int kGuards, class G, class Holds, class Active>
+  UKEMI_INLINE static void set_guard(integrate::Guards<kGuards, G>& out, int guard, const Holds& holds, const T& value,
+                                     const T& rate, const Active& active) {
+    const G v = narrowed<G>(value), r = narrowed<G>(rate);
+    out.set(guard, select(holds, v, G(-v)), select(holds, r, G(-r)), active);
+  }
   const System& system() const { return static_cast<const System&>(*this); }
 };
 

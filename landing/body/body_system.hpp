@@ -38,16 +38,24 @@ class BodySystem
  public:
   static constexpr Capacity kSize = kCapacity;
   static constexpr int kB = kSize.bodies, kJ = kSize.joints, kC = kSize.contacts;
-  static constexpr bool kPlain = kSize.straight(),           ///< only robots of has_plain_links
+  static constexpr bool kStraight = kSize.straight(),        ///< only robots of has_plain_links
       kPlainDrives = kSize.plain == Plain::kLinksAndDrives;  ///< and of has_plain_drives
-  static constexpr int kSlips = kPlain ? 0 : kC;
+  static constexpr int kSlips = kStraight ? 0 : kC;
   /// The state; kPositions of them are positions, as many rates follow, then the slips.
   enum { kX, kY, kTheta, kPhiM = kTheta + kB, kPositions = kPhiM + kJ };
   enum { kVx = kPositions, kVy, kOmega, kOmegaM = kOmega + kB, kSlip = kOmegaM + kJ, kLag = kSlip + kSlips };
   static constexpr int kLags = DriveLag<T>::kStates, kWork = kLag + (kSize.late ? kLags * kJ : 0);
   static constexpr int kStates = kWork + kAccounts;
   /// Guards of each contact, of each joint, and, if there is dry friction (`guards_used`), of each place of it.
-  enum { kSurface, kFloorForce, kPadForce, kBottom, kSlideUp, kSlideDown, kGuardsPerContact = kPlain ? kPadForce : 6 };
+  enum {
+    kSurface,
+    kFloorForce,
+    kPadForce,
+    kBottom,
+    kSlideUp,
+    kSlideDown,
+    kGuardsPerContact = kStraight ? kPadForce : 6
+  };
   enum { kUpper, kLower, kGuardsPerJoint };
   using Friction = BodyFriction<BodySystem, kJ, !kSize.straight(), T>;
   static constexpr int kJointGuards = kGuardsPerContact * kC, kFrictionGuards = kJointGuards + kGuardsPerJoint * kJ,
@@ -174,20 +182,20 @@ class BodySystem
     return p;
   }
 
-  bool is_free() const { return kPlain || body.base == Base::kFree; }
+  bool is_free() const { return kStraight || body.base == Base::kFree; }
   /// The kind of a moving joint, and whether its drive has terms beyond Eq. 2-4.
-  DriveKind kind(int i) const { return kPlain ? DriveKind::kElastic : drive[i].kind; }
+  DriveKind kind(int i) const { return kStraight ? DriveKind::kElastic : drive[i].kind; }
   bool extended(int i) const { return !kPlainDrives && drive[i].extended; }
 
   /// The bodies of a moving joint; parent -1: the ground.
-  int child_of(int i) const { return kPlain ? i + 1 : body.joint[i].child; }
-  int parent_of(int i) const { return kPlain && (kJ == 1 || i == 0) ? 0 : body.joint[i].parent; }
+  int child_of(int i) const { return kStraight ? i + 1 : body.joint[i].child; }
+  int parent_of(int i) const { return kStraight && (kJ == 1 || i == 0) ? 0 : body.joint[i].parent; }
 
   /// Joint angle and rate, and those of the motor.
   SeaState<T> joint_state(int i, const State& y) const {
     const int child = child_of(i), parent = parent_of(i);
     T phi = y[kTheta + child];
-    if constexpr (!kPlain) phi += T(body.joint[i].offset);
+    if constexpr (!kStraight) phi += T(body.joint[i].offset);
     if (parent < 0) return {phi, y[kPhiM + i], y[kOmega + child], y[kOmegaM + i]};
     return {phi - y[kTheta + parent], y[kPhiM + i], y[kOmega + child] - y[kOmega + parent], y[kOmegaM + i]};
   }
@@ -217,9 +225,9 @@ class BodySystem
     return out;
   }
   bool is_stop(int i) const { return i >= body.stops_begin; }
-  bool has_stops() const { return !kPlain && body.stops_end > body.stops_begin; }
-  bool is_padded(int i) const { return !kPlain && point[i].padded; }
-  bool has_contact_friction(int i) const { return !kPlain && point[i].has_friction; }
+  bool has_stops() const { return !kStraight && body.stops_end > body.stops_begin; }
+  bool is_padded(int i) const { return !kStraight && point[i].padded; }
+  bool has_contact_friction(int i) const { return !kStraight && point[i].has_friction; }
   /// The remaining travel to an end of a stop, as a height.
   Point stop_at(int i, const Pose& p, const State& y, const Accelerations* acc = nullptr) const {
     const TreeStop<T>& s = body.stop[i];
@@ -252,20 +260,20 @@ class BodySystem
   }
   /// K_t z + C_t v, -F_t of a contact that sticks [N].
   T sticking_force(int i, const State& y, const Point& at) const {
-    if constexpr (kPlain) return point[i].c_t * at.v_t;
+    if constexpr (kStraight) return point[i].c_t * at.v_t;
     return point[i].k_t * y[kSlip + i] + point[i].c_t * at.v_t;
   }
 
   /// F_n and -F_t of a contact in its mode [N].
   UKEMI_INLINE T normal_at(int i, const Point& at) const {
-    if constexpr (kPlain)
+    if constexpr (kStraight)
       return masked(contact[i].floor, floor_force(point[i], at.y, at.v, T(0)).value);
     else
       return normal_force(point[i], contact[i], at.y, at.v, T(0)).value;
   }
   UKEMI_INLINE T tangential_at(int i, const State& y, const Point& at, const T& normal) const {
     const T sticking = sticking_force(i, y, at);
-    if constexpr (kPlain)
+    if constexpr (kStraight)
       return sticking;
     else
       return tangential_force(point[i], contact[i], sticking, normal);
@@ -305,7 +313,7 @@ class BodySystem
       const T normal = normal_at(i, at), along = masked(m.touching, tangential_at(i, y, at, normal));
       load.add(body.contact[i], p, body.bodies, -along, normal);
       if constexpr (kAccounts) power += normal * at.v - along * at.v_t;
-      if constexpr (!kPlain)
+      if constexpr (!kStraight)
         if (point[i].has_friction || any(present(point[i].k_t))) dy[kSlip + i] = slip_rate(i, y, at.v_t, along);
     }
     if (has_stops()) [[unlikely]]
@@ -373,7 +381,7 @@ class BodySystem
   /// F = -(F_c + mu |N|) sgn v. N, the force across the rail, depends on F: both are solved for.
   Accelerations accelerations(const Pose& p, const TreeLoads<T, kB>& load, const State& y, T& along_rail,
                               StickConstraints<T, kSize>* stick = nullptr) const {
-    if (kPlain || body.base != Base::kRail) return solve(body, p, load, gravity, T(0), stick);
+    if (kStraight || body.base != Base::kRail) return solve(body, p, load, gravity, T(0), stick);
     along_rail = -rail_viscous * y[kVx];
     if (!rail_has_friction) return solve(body, p, load, gravity, along_rail, stick);
     const T sign = direction_of<T>(rail_slip);
@@ -427,7 +435,7 @@ class BodySystem
   StickConstraints<T, kSize> stick_constraints() const {
     StickConstraints<T, kSize> out;
     for (int i = 0; i < body.joints; ++i) out.held[i] = stuck(i, kOutputSide);
-    if constexpr (!kPlain) out.held[StickConstraints<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
+    if constexpr (!kStraight) out.held[StickConstraints<T, kSize>::kRail] = Friction::stuck(Friction::kRailPlace);
     return out;
   }
   /// Driving torque and friction limits of each place that sticks.
@@ -459,7 +467,7 @@ class BodySystem
       if (d.has_friction[kOutputSide]) hold(kOutputSide, stick.reaction[i]);
       if (d.has_friction[kMotorSide]) hold(kMotorSide, torque_on_motor<kSea>(d.sea, s.dphi_m, motor, tau));
     }
-    if constexpr (kPlain) return out;
+    if constexpr (kStraight) return out;
     Hold<T>& rail = out[Friction::kRailPlace];
     rail.torque = stick.reaction[StickConstraints<T, kSize>::kRail];
     const T& n = stick.rail_normal_force;
@@ -485,7 +493,7 @@ class BodySystem
                 ? PointMode{}
                 : PointMode{
                       .touching = true, .pad = point[i].padded, .below = !point[i].padded, .floor = !point[i].padded};
-        if constexpr (!kPlain) y[kSlip + i] = T(0);
+        if constexpr (!kStraight) y[kSlip + i] = T(0);
         break;
       case kBottom:
         m.below = m.floor = !m.below;

@@ -165,12 +165,13 @@ void check(const Load& l, const Robot& robot) {
   if (l.kind == Kind::kAngle && !(l.phi[0] < l.phi[1])) throw InputError(what + "the range is empty");
 }
 
+double torque_limit(const Joint& joint, double rating) {
+  const bool clamped = joint.kind == DriveKind::kGeared && joint.sea.tau_max <= rating;
+  return clamped ? std::numeric_limits<double>::infinity() : rating_limit(rating);
+}
 double rating_limit(const Load& load, const Robot& robot) {
-  if (load.kind == Kind::kMotorTorque) {
-    const Joint& j = robot.joints[std::size_t(load.index)];
-    if (j.kind == DriveKind::kGeared && j.sea.tau_max <= load.rating) return std::numeric_limits<double>::infinity();
-  }
-  return rating_limit(load.rating);
+  return load.kind == Kind::kMotorTorque ? torque_limit(robot.joints[std::size_t(load.index)], load.rating)
+                                         : rating_limit(load.rating);
 }
 
 bool observed(const BodyScene& scene) {

@@ -42,10 +42,12 @@ double worth(const BodyScene& scene, double peak, const std::vector<LoadPeak>& l
 bool rated(const BodyScene& scene);
 /// Index of the load that gives the worth; -1 without loads to minimise.
 int binding(const BodyScene& scene, const BodyLanding& landing);
-/// The largest value that keeps a rating: steps and rounding may take a torque that is clamped at it beyond it.
-constexpr double rating_limit(double rating) { return rating * (1 + 1e-6); }
-/// The same of a load; infinite for the torque of a geared motor whose tau_max is within its rating: lanes, which place
-/// that limit's event less exactly, may read a little more.
+/// The largest value that keeps a rating, beyond rounding.
+constexpr double rating_limit(double rating) { return rating * (1 + 1e-12); }
+/// The same of a motor's torque; infinite where it is geared and its tau_max is within its rating: steps, which place
+/// that limit's event to their accuracy, may read a little more.
+double torque_limit(const Joint& joint, double rating);
+/// The same of a load.
 double rating_limit(const Load& load, const Robot& robot);
 /// The values of all loads, even if the run did not observe them.
 std::vector<LoadPeak> loads_of(const BodyScene& scene, const BodyLanding& landing);

@@ -41,7 +41,8 @@ bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) 
   if (e.load >= 0)
     return loads_of(scene, l)[std::size_t(e.load)].value > rating_limit(scene.loads[std::size_t(e.load)], scene.robot);
   const JointDemands& d = l.demands[std::size_t(e.joint)];
-  return (e.kind == Kind::kSpeed ? d.motor_speed : d.motor_torque) > rating_limit(e.limit);
+  if (e.kind == Kind::kSpeed) return d.motor_speed > rating_limit(e.limit);
+  return d.motor_torque > torque_limit(scene.robot.joints[std::size_t(e.joint)], e.limit);
 }
 
 class DropRunner {

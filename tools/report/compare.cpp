@@ -77,11 +77,8 @@ void warn(const Comparison& c, Run& run) {
   for (std::size_t s = 0; s < 2 && c.predictions; ++s)
     if (const identify::Fit& fit = (*c.predictions)[s]; !fit.converged)
       run.warn(std::string(kSets[s]) + ": " + fit.message);
-  warn_of_motions(c.motions, "point", run);
-  for (const ComparedMotion& m : c.motions)
-    for (std::size_t s = 0; s < 2; ++s)
-      if (m.landings[s])
-        warn_of(landing_doubts(*m.landings[s]), run, fmt::format("best for {}, with {}: ", m.set, kSets[s]));
+  const auto doubts = [](std::size_t, const Motion&, const Landing& l) { return landing_doubts(l); };
+  warn_of_motions(c.motions, "point", doubts, run);
 }
 
 /// How much worse the plan of the nominal constants is on the identified actuator.

@@ -48,14 +48,19 @@ std::vector<MotionTexts> motion_texts(const std::vector<Motion>& motions, Words&
   return out;
 }
 
-/// Warns of failed searches and landings; `point`: what touches the floor, "point" or "contact".
-template <class Motion>
-void warn_of_motions(const std::vector<Motion>& motions, const char* point, Run& run) {
+/// Warns of failed searches and landings, and of doubts(set, motion, landing); `point`: what touches the floor, "point"
+/// or "contact".
+template <class Motion, class DoubtsOf>
+void warn_of_motions(const std::vector<Motion>& motions, const char* point, DoubtsOf&& doubts, Run& run) {
   for (const Motion& m : motions)
     if (!m.best.message.empty()) run.warn(m.set + ": " + m.best.message);
   for (const Motion& m : motions)
     for (const auto& l : m.landings)
       if (l && no_landing(l->end)) run.warn(failure_words(*l, point));
+  for (const Motion& m : motions)
+    for (std::size_t s = 0; s < 2; ++s)
+      if (m.landings[s])
+        warn_of(doubts(s, m.best.motion, *m.landings[s]), run, "best for " + m.set + ", with " + kSets[s] + ": ");
 }
 
 /// Warns of a set for which the other set's motion is better than the one that was searched for it.

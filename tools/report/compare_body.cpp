@@ -49,12 +49,10 @@ ComparisonTexts texts_of(const BodyComparison& c) {
 }  // namespace
 
 int report(const BodyComparison& c, const PerSet<std::string>& names, Run& run) {
-  warn_of_motions(c.motions, "contact", run);
-  for (const ComparedBodyMotion& m : c.motions)
-    for (std::size_t s = 0; s < 2; ++s)
-      if (m.landings[s])
-        warn_of(landing_doubts(c.scenes[s], m.best.motion, *m.landings[s]), run,
-                fmt::format("best for {}, with {}: ", m.set, kSets[s]));
+  const auto doubts = [&](std::size_t set, const BodyMotion& motion, const BodyLanding& l) {
+    return landing_doubts(c.scenes[set], motion, l);
+  };
+  warn_of_motions(c.motions, "contact", doubts, run);
   const ComparisonTexts texts = texts_of(c);
   warn_of_short_search(texts, run);
   Report report = comparison_page(names, run);

@@ -87,7 +87,7 @@ std::vector<ExceededRating> exceeded_ratings(const BodyScene& scene, const BodyM
     const double speed = speed_of(motion[i], start, l.demands[i]), torque = l.demands[i].motor_torque;
     if (joint.speed_max && speed > rating_limit(*joint.speed_max))
       out.push_back({&joint, speed, *joint.speed_max, "rad/s", "at"});
-    if (joint.motor_torque_max && torque > rating_limit(*joint.motor_torque_max))
+    if (joint.motor_torque_max && torque > torque_limit(joint, *joint.motor_torque_max))
       out.push_back({&joint, torque, *joint.motor_torque_max, "Nm", "with"});
   }
   return out;

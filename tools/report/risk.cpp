@@ -225,7 +225,7 @@ Check within_ratings(const PeakRisk& r, const RiskTexts& t) {
 
 FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
   FirstScreen out{.sentence = held_comparison(r) + fmt::format(" The median drop: {:.4g}.", r.peaks.median.value)};
-  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value, false),
+  out.checks = {under_scatter_check(r.peaks.cvar90.value, r.held.cvar90.value),
                 check(r.failed == 0, "every drop was followed",
                       fmt::format("{} of {}", r.peaks.samples, r.peaks.samples + r.failed)),
                 check(r.lost == 0, "the drive keeps the joint", fmt::format("lost in {} drops", r.lost)),

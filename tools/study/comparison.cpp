@@ -1,6 +1,5 @@
 #include "tools/study/comparison.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "common/actuator_constants.hpp"
@@ -19,14 +18,10 @@ std::optional<bool> ConstantDifference::inside() const {
 
 std::vector<ConstantDifference> differences(const PerSet<Actuator>& sets, const std::string& suffix) {
   std::vector<ConstantDifference> out;
-  const auto a = constants(sets[0].sea), b = constants(sets[1].sea);
-  for (std::size_t i = 0; i < kConstants; ++i)
-    out.push_back(
-        {kConstantNames[i] + suffix, kConstantUnits[i], {a[i], b[i]}, sets[1].standard_error(kConstantNames[i])});
-  for (const ActuatorConstant& c : actuator_constants()) {
+  for (std::size_t i = 0; i < actuator_constants().size(); ++i) {
+    const ActuatorConstant& c = actuator_constants()[i];
     const PerSet<double> value = {sets[0].sea.*c.at, sets[1].sea.*c.at};
-    if (std::find(kConstantNames.begin(), kConstantNames.end(), std::string(c.key)) == kConstantNames.end() &&
-        value[0] != value[1])
+    if (i < kConstants || value[0] != value[1])
       out.push_back({c.key + suffix, c.unit, value, sets[1].standard_error(c.key)});
   }
   return out;
