@@ -16,9 +16,9 @@ common/sea.hpp|T torque = tau_mot - tau_sea;|T torque = tau_mot + tau_sea;|unit/
 identify/rig/one_link.hpp|dy[kOmega] = torque[kOutputSide] * T(inverse_inertia_);|dy[kOmega] = torque[kOutputSide] * T(2 * inverse_inertia_);|unit/one_link|identify/rollout/rollout.cpp identify/rollout/rollout_methods.cpp
 landing/model/motion.hpp|(T(10) + s * (T(-15) + T(6) * s))|(T(10) + s * (T(-15) + T(5) * s))|unit/motion|landing/model/motion.cpp
 landing/model/motion.hpp|const T window = T(64) * rest * rest;|const T window = T(32) * rest * rest;|unit/motion|landing/model/motion.cpp
-landing/model/two_link.hpp|r1 = load.q1 + tau + cs * p.omega0 * p.omega0;|r1 = load.q1 + tau - cs * p.omega0 * p.omega0;|property/two_link|
-landing/model/two_link.hpp|return p.x + d.arm0[point] * p.s0 + d.arm1[point] * p.s1;|return p.x + d.arm0[point] * p.s0 + d.arm0[point] * p.s1;|property/two_link|
-landing/model/two_link.hpp|const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1), cs =|const T c = d.mu_a2 * (p.c0 * p.c1 - p.s0 * p.s1), cs =|property/two_link|
+landing/body/equations.hpp|right[k] += p.omega[j] * p.omega[j] * h;|right[k] -= p.omega[j] * p.omega[j] * h;|legs/laws|
+landing/body/equations.hpp|return r.a[j] * p.sin[j] + r.b[j] * p.cos[j];|return r.a[j] * p.sin[j] - r.b[j] * p.cos[j];|legs/laws|
+landing/body/equations.hpp|const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s =|const T c = p.cos[j] * p.cos[k] - p.sin[j] * p.sin[k], s =|legs/laws|
 FAULTS
 )
 

@@ -16,6 +16,12 @@ enum class Status {
 struct Counters {
   long steps = 0, rejected = 0, derivatives = 0, jacobians = 0, events = 0;
   long implicit = 0;  ///< steps that an automatic method took implicitly
+
+  Counters& operator+=(const Counters& o) {
+    steps += o.steps, rejected += o.rejected, derivatives += o.derivatives, jacobians += o.jacobians;
+    events += o.events, implicit += o.implicit;
+    return *this;
+  }
 };
 
 }  // namespace ukemi::integrate

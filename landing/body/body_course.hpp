@@ -100,41 +100,57 @@ class BodyCourse {
     return y;
   }
 
-  /// Free fall in closed form, if no joint or link turns or accelerates relative to the base: moves y from release to
-  /// shortly before the first touchdown or to the first deadline, and returns that time; else 0 [s].
-  double fall(State& y) const {
-    constexpr double kShortly = 1e-5;  // [s]
-    constexpr double kStill = 1e-8;    // rounding error of an acceleration of 0 [rad/s^2], [m/s^2]
+  /// A free fall in closed form.
+  struct Fall {
+    double until = 0;   ///< the first touchdown, or the first deadline; 0: there is none [s]
+    State start, rate;  ///< at release
+    double first_step() const { return until > 0 ? 1e-3 : 1e-4; }  ///< after it [s]
+
+    State at(double t) const {
+      State y = start;
+      for (const int k : {System::kX, System::kY}) {
+        const int v = k + int(System::kPositions);
+        y[k] += T(t) * (start[v] + T(0.5 * t) * rate[v]), y[v] += T(t) * rate[v];
+      }
+      return y;
+    }
+  };
+  /// The fall from release at y, if no joint or link turns or accelerates relative to the base.
+  Fall fall(const State& y) const {
+    constexpr double kShort = 1e-5;   // a shorter fall is not worth it [s]
+    constexpr double kBelow = 1e-14;  // so that rounding leaves no contact above the floor [s]
+    constexpr double kStill = 1e-8;   // rounding error of an acceleration of 0 [rad/s^2], [m/s^2]
     constexpr int kAngles = int(System::kVx) - int(System::kTheta), kTail = int(System::kOmega);
     const Body<T, kSize>& body = system.body;
-    State dy, dy_end;
+    Fall out{.start = y};
     const auto in_free_fall = [&](double t, const State& at, State& rate) {
       system.derivative(t, at, rate);
-      return rate.template segment<kAngles>(System::kTheta).isZero(0) &&
-             rate.tail(State::RowsAtCompileTime - kTail).isZero(kStill);
+      const auto largest = [&rate](int from, int to) {
+        double found = 0;
+        for (int k = from; k < to; ++k) found = std::max(found, std::abs(value_of(rate[k])));
+        return found;
+      };
+      return largest(System::kTheta, System::kTheta + kAngles) == 0 && largest(kTail, int(rate.size())) <= kStill;
     };
     const bool rail_stop = std::any_of(body.stop.begin() + body.stops_begin, body.stop.begin() + body.stops_end,
                                        [](auto& s) { return s.joint < 0; });
-    if (body.base == Base::kPinned || rail_stop || !in_free_fall(0, y, dy)) return 0;
+    if (body.base == Base::kPinned || rail_stop || !in_free_fall(0, y, out.rate)) return out;
     const typename System::Pose p = system.pose(y);
-    const typename System::Accelerations acc = system.accelerations_of(dy);
+    const typename System::Accelerations acc = system.accelerations_of(out.rate);
     double t = kNever;
     for (int i = 0; i < body.contacts; ++i) {
       const typename System::Point at = system.point_at(i, p, &acc);
-      t = std::min(t, landing::fall_time(-at.a, at.y - system.point[i].thickness, at.v));
+      t = std::min(t,
+                   landing::fall_time(-value_of(at.a), value_of(T(at.y - system.point[i].thickness)), value_of(at.v)));
     }
-    if (!(t > kShortly && t < kNever)) return 0;
-    t = std::min(t - kShortly, stop());
-    State end = y;
-    for (const int k : {System::kX, System::kY}) {
-      const int v = k + int(System::kPositions);
-      end[k] += t * (y[v] + 0.5 * t * dy[v]), end[v] += t * dy[v];
-    }
-    if (!in_free_fall(0, end, dy_end) ||
-        std::hypot(dy_end[System::kVx] - dy[System::kVx], dy_end[System::kVy] - dy[System::kVy]) > kStill)
-      return 0;
-    y = end;
-    return t;
+    if (!(t > kShort && t < kNever)) return out;
+    t = std::min(t + kBelow, stop());
+    State rate;
+    if (in_free_fall(0, out.at(t), rate) &&
+        std::hypot(value_of(T(rate[System::kVx] - out.rate[System::kVx])),
+                   value_of(T(rate[System::kVy] - out.rate[System::kVy]))) <= kStill)
+      out.until = t;
+    return out;
   }
 
   /// The mode change of guard `event`, which fell through zero at time t.
@@ -207,7 +223,7 @@ class BodyCourse {
       return;
     }
     T lowest(kNever);
-    for (int i = 0; i < system.body.contacts; ++i) {
+    for (int i = 0; i < int(robot.contacts.size()); ++i) {  // also without a floor
       const T surface = system.point_at(i, p).y - system.point[i].thickness;
       if (value_of(surface) < value_of(lowest)) lowest = surface;
     }
@@ -220,11 +236,10 @@ class BodyCourse {
       if (present(drop.vertical_speed)) y[System::kVx] = drop.vertical_speed / T(std::sin(robot.rail_direction));
       return;
     }
-    // The first link's origin starts at x = 0 with the forward speed.
-    const auto origin = position(system.body.first, p, system.body.bodies),
-               speed = velocity(system.body.first, p, system.body.bodies);
+    const auto at = shifted(system.body, system.body.first, 0, scene_.drop_at);
+    const auto place = position(at, p, system.body.bodies), speed = velocity(at, p, system.body.bodies);
     const T v = drop.forward_speed, up = drop.vertical_speed, c(std::cos(scene_.slope)), s(std::sin(scene_.slope));
-    y[System::kX] = -origin[0], y[System::kY] = lift;
+    y[System::kX] = -place[0], y[System::kY] = lift;
     y[System::kVx] = v * c + up * s - speed[0], y[System::kVy] = -v * s + up * c - speed[1];
   }
 

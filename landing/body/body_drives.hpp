@@ -106,7 +106,7 @@ class BodyDrives {
         out += tau;
         if (motor) *motor = torque_on_motor<System::kPlainSea>(d.sea, s.dphi_m, requested(), tau);
       }
-      if (motor) *motor = *motor / d.sea.i_motor;
+      if (motor) *motor *= d.inverse_i_motor;
     } else if (self.kind(i) == DriveKind::kGeared) {
       tau = requested();
       out += tau;

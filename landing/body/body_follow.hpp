@@ -1,6 +1,7 @@
 // One landing of a robot of links from event to event. Included only by files that compile kernels.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "landing/body/body_course.hpp"
@@ -36,12 +37,15 @@ class BodyFollower {
   }
 
   void follow() {
-    State y = course_.released();
+    const State y = course_.released();
     if constexpr (kReport) recorder_.start(system_, y);
-    const double fallen = kReport ? 0 : course_.fall(y);
-    integrate::Integrator<Method, System> integrator(
-        system_, fallen, y,
-        {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step});
+    const typename Course::Fall fall = course_.fall(y);
+    if constexpr (kReport)
+      if (fall.until > 0) recorder_.fall(system_, fall);
+    integrate::Integrator<Method, System> integrator(system_, fall.until, fall.at(fall.until),
+                                                     {.accuracy = course_.step_accuracy(options_.accuracy),
+                                                      .first_step = std::min(fall.first_step(), options_.max_step),
+                                                      .max_step = options_.max_step});
     std::optional<End> end;
     for (long n = 0; !end; ++n) end = advance(integrator, n);
     out_.end = *end, out_.t_end = t_, out_.work = integrator.counters();
@@ -50,6 +54,7 @@ class BodyFollower {
     const bool free = scene_.robot.base == Base::kFree;
     out_.base = {last[System::kX], free ? last[System::kY] : 0},
     out_.speed = {last[System::kVx], free ? last[System::kVy] : 0};
+    for (int j = 0; j < system_.body.bodies; ++j) out_.theta[std::size_t(j)] = last[System::kTheta + j];
     if (loads_) {
       out_.loads = loads_->finish(t_, peak_);
       check_limits();
@@ -89,7 +94,9 @@ class BodyFollower {
     }
     const bool may_rest = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.detecting();
     const double rest_square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
-    if (may_rest && at_rest(system_, t_, integrator.state(), rest_energy_(rest_square))) return End::kRest;
+    if (may_rest && rest_test_.due(double(n)) &&
+        rest_test_(double(n), system_, t_, integrator.state(), rest_energy_(rest_square)))
+      return End::kRest;
     return std::nullopt;
   }
   /// Tracks the loads in the step.
@@ -138,6 +145,7 @@ class BodyFollower {
         check_limits();
       }
     }
+    if (touched >= 0 && options_.touchdowns) options_.touchdowns->push_back(t_);
     if (crossing.lands) land();
     jump(integrator);
     if constexpr (kReport) {
@@ -165,6 +173,7 @@ class BodyFollower {
   std::optional<LoadObserver<System>> loads_;
   double t_ = 0, abandon_peak_;
   RestEnergy rest_energy_;
+  RestTest rest_test_;
 };
 
 }  // namespace ukemi::landing

@@ -17,6 +17,13 @@ std::pair<double, double> motor_demand(const System& s, int i, double t, const t
   return {std::abs(s.drive[i].kind == DriveKind::kGeared ? q.dphi : q.dphi_m), std::abs(motor_torque_at(s, i, t, y))};
 }
 
+/// Torque of the spring of a driven joint, of a geared drive of its motor [Nm].
+template <class System>
+double drive_torque(const System& s, int i, double t, const typename System::State& y) {
+  if (s.drive[i].kind == DriveKind::kElastic) return s.elastic_torque(i, s.joint_state(i, y));
+  return motor_torque_at(s, i, t, y);
+}
+
 /// Rotates from the floor's frame to the true one.
 struct ToLevel {
   explicit ToLevel(double slope) : c(std::cos(slope)), s(std::sin(slope)) {}
@@ -31,7 +38,7 @@ class BodyRecorder {
   using State = typename System::State;
 
   BodyRecorder(const BodyScene& scene, BodyLanding& out, double rate)
-      : scene_(scene), out_(out), rate_(rate), log_(out.touches, out.peaks, scene.robot.contacts.size()) {}
+      : scene_(scene), out_(out), rate_(rate), log_(out.touches, out.peaks) {}
 
   void start(const System& s, const State& y) {
     energy_start_ = s.link_energy(y);
@@ -48,6 +55,12 @@ class BodyRecorder {
     if (rate_ > 0) out_.trajectory.push_back(sample(s, t, y));
   }
 
+  /// The free fall from release, a BodyCourse::Fall.
+  template <class Fall>
+  void fall(const System& s, const Fall& f) {
+    log_.since.consider(s.peak_square(f.start, f.rate), 0);
+    for (; rate_ > 0 && next_row() < f.until; ++rows_) row(s, next_row(), f.at(next_row()));
+  }
   template <class Integrator>
   void step(const System& s, Integrator& integrator) {
     (void)log_.since.step(s, integrator);  // the follower has checked the step
@@ -87,6 +100,7 @@ class BodyRecorder {
       if (drive.kind != DriveKind::kGeared && drive.kind != DriveKind::kElastic) continue;
       const auto [speed, torque] = motor_demand(s, i, t, y);
       d.motor_speed = std::max(d.motor_speed, speed), d.motor_torque = std::max(d.motor_torque, torque);
+      d.drive_torque = std::max(d.drive_torque, std::abs(drive_torque(s, i, t, y)));
     }
   }
 
@@ -100,7 +114,9 @@ class BodyRecorder {
     for (int i = 0; i < s.links; ++i) {
       const Vec2<double> r = level(position(s.body.origin[std::size_t(i)], p, s.body.bodies));
       const std::size_t k = std::size_t(i);
-      out.x[k] = r.x(), out.y[k] = r.y();
+      const Vec2<double> v = level(velocity(s.body.origin[k], p, s.body.bodies));
+      out.x[k] = r.x(), out.y[k] = r.y(), out.vx[k] = v.x(), out.vy[k] = v.y();
+      out.omega[k] = y[System::kOmega + s.body.body_of[k]];
       out.theta[k] = y[System::kTheta + s.body.body_of[k]] + s.body.offset[k] + scene_.slope;
     }
     for (std::size_t j = 0; j < scene_.robot.joints.size(); ++j)
@@ -110,13 +126,17 @@ class BodyRecorder {
       const std::size_t j = std::size_t(s.body.joint[i].joint);
       const SeaState<double> q = s.joint_state(i, y);
       const bool elastic = s.drive[i].kind == DriveKind::kElastic, driven = scene_.robot.joints[j].driven();
-      out.phi[j] = q.phi, out.dphi[j] = q.dphi, out.phi_m[j] = elastic ? q.phi_m : q.phi;
+      out.phi[j] = q.phi, out.dphi[j] = q.dphi;
+      out.phi_m[j] = elastic ? q.phi_m : q.phi, out.dphi_m[j] = elastic ? q.dphi_m : q.dphi;
+      out.drive_torque[j] = driven ? drive_torque(s, i, t, y) : 0;
       out.tau[j] = joint_torques[std::size_t(i)], out.phi_ref[j] = driven ? s.reference(i, t).phi : q.phi;
     }
     const Vec2<double> a = level(acceleration(s.body.peak, p, s.accelerations_of(dy), s.body.bodies));
     out.acc_x = a.x(), out.acc_y = a.y(), out.acc = a.norm();
     for (int i = 0; i < s.body.contacts; ++i) {
-      const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(contact_force(s, i, p, y));
+      Vec2<double> force = contact_force(s, i, p, y);
+      force.y() = std::max(0.0, force.y());  // at its event it is 0 to rounding
+      const Vec2<double> r = level(position(s.body.contact[i], p, s.body.bodies)), f = level(force);
       const std::size_t k = std::size_t(i);
       out.contact_x[k] = r.x(), out.contact_y[k] = r.y(), out.force_x[k] = f.x(), out.force_y[k] = f.y();
     }

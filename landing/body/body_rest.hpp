@@ -1,14 +1,15 @@
-// When a landing of a robot of links is over: the rule and the thresholds of landing/run/rest.hpp.
+// When a landing is over: no later peak can exceed the running one.
 //
-// All motions have ended, no torque limit acts, and the energy that could still act
+// A small speed is not enough: a fallen robot that slides for seconds is at rest, one that is balanced on a point is
+// not just before it topples. All motions have ended, no torque limit acts, and the energy that could still act
 //     E = kinetic energy without the common sliding of a free robot + kinetic energy of the motors
 //         + 1/2 a . M a / w^2,   a the accelerations at zero rates, w the softest_frequency: the unbalanced forces, as
 //           the energy of the softest spring that may still carry them; or what they release, where that is less and
 //           the present posture is stable (restoring_energy)
 // is at most kImpactShare of the energy whose whole release against the floor could bring back the running peak, or
 // what steps leave unresolved; a free robot's centre of mass is also within its support, E is at most kBarrierShare of
-// the barrier to topple over either end, and it does not gain speed down a slope. Ours; test/legs/references.cpp
-// integrates ended runs to t_end.
+// the barrier to topple over either end, and it does not gain speed down a slope. Ours, the thresholds too;
+// test/property/rest.cpp and test/legs/rest.cpp sample ended runs and integrate them on.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +17,11 @@
 #include <optional>
 
 #include "landing/body/body_system.hpp"
-#include "landing/run/rest.hpp"
+#include "landing/run/simulate.hpp"
 
 namespace ukemi::landing {
+
+inline constexpr double kBarrierShare = 0.02, kImpactShare = 0.02;
 
 /// Stiffness [N/m] and damping [N/(m/s)] of the stiffest contact.
 struct StiffestContact {
@@ -172,12 +175,15 @@ std::optional<double> restoring_energy(const System& s, double t, const typename
 
 inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
-/// Whether the run may end in the state y by the rule above, E being at most `limit`; never if that is below 0.
+/// By how much the state y is too lively to end the run by the rule above: E over its limits, at rest at most 1; a
+/// lower bound of it above 1 if parts of E exceed them. Absent if the run may not end there whatever E is, as with a
+/// `limit` of E below 0.
 template <class System>
-bool at_rest(const System& s, double t, const typename System::State& y, double limit) {
-  if (limit < 0) return false;
+std::optional<double> rest_ratio(const System& s, double t, const typename System::State& y, double limit) {
+  constexpr std::nullopt_t kNever = std::nullopt;
+  if (limit < 0) return kNever;
   for (int i = 0; i < s.body.joints; ++i)
-    if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return false;
+    if (s.joint[i].phase == Phase::kMoving || s.joint[i].saturation != 0) return kNever;
   const bool free = s.body.base == Base::kFree;
   auto p = s.pose(y);
   const double sliding_speed = p.vx;
@@ -185,8 +191,8 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
   double energy = kinetic_energy(s.body, p);
   for (int i = 0; i < s.body.joints; ++i)
     energy += 0.5 * s.drive[i].sea.i_motor * y[System::kOmegaM + i] * y[System::kOmegaM + i];
-  if (!(energy <= limit)) return false;
-  if (free && !(support_margin(s, s.pose(y), y) > 0)) return false;
+  if (!(energy <= limit)) return energy / limit;
+  if (free && !(support_margin(s, s.pose(y), y) > 0)) return kNever;
 
   auto still = y;
   for (int i = System::kVx; i < System::kSlip; ++i) still[i] = 0;
@@ -205,18 +211,40 @@ bool at_rest(const System& s, double t, const typename System::State& y, double 
     double out = kinetic_energy(s.body, p);
     for (int i = 0; i < s.body.joints; ++i)
       out += 0.5 * s.drive[i].sea.i_motor * dy[System::kOmegaM + i] * dy[System::kOmegaM + i];
-    return std::min(out / (frequency * frequency),
+    out /= frequency * frequency;
+    if (energy + out <= limit) return out;
+    return std::min(out,
                     restoring_energy(at_standstill, t, still, dy).value_or(std::numeric_limits<double>::infinity()));
   };
   energy += unbalanced_energy();
   if constexpr (System::kWork > System::kLag)  // torques still on their way in late drives
     s.settle_lags_at(t, still), energy += unbalanced_energy();
-  if (downhill || !(energy <= limit)) return false;
-  if (!free) return true;
+  if (downhill) return kNever;
+  if (!free || !(energy <= limit)) return energy / limit;
   const auto at = s.pose(y);
   const double margin = support_margin(s, at, y), height = std::max(at.y, 0.0);
   const double rise = std::hypot(margin, height) + height;
-  return energy <= kBarrierShare * -s.body.mass * s.gravity[1] * margin * margin / rise;
+  return energy / std::min(limit, kBarrierShare * -s.body.mass * s.gravity[1] * margin * margin / rise);
 }
+
+/// When the rest test is worth its cost, about that of ten evaluations of the field.
+class RestTest {
+ public:
+  void restart() { next_ = 0; }
+  /// Whether a test is due after so many steps.
+  bool due(double steps) const { return steps >= next_; }
+  /// Tests the state; if it is not at rest, the next test waits for E to decay.
+  template <class System>
+  bool operator()(double steps, const System& s, double t, const typename System::State& y, double limit) {
+    constexpr double kStepsToHalve = 1.5, kMaxWait = 16;  // steps in which E halves, or more
+    const std::optional<double> ratio = rest_ratio(s, t, y, limit);
+    if (ratio && *ratio <= 1) return true;
+    next_ = steps + (ratio && *ratio > 1 ? std::clamp(kStepsToHalve * std::log2(*ratio), 1.0, kMaxWait) : 1);
+    return false;
+  }
+
+ private:
+  double next_ = 0;
+};
 
 }  // namespace ukemi::landing

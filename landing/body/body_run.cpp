@@ -13,7 +13,7 @@ BodyLanding simulate(const BodyScene& scene, const BodyMotion& motion, const Sim
   if (!(rate >= 0 && rate * scene.t_end.value_or(kMaxDuration) <= kMaxRows))
     throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e6 rows in the " +
                      shortest(scene.t_end.value_or(kMaxDuration)) + " s that a run may last; [run] t_end bounds it");
-  BodyLanding out = in_kernel<kPair, kTriple, kMiddle, kLate, kAny>(
+  BodyLanding out = in_kernel<kPlainPair, kPair, kTriple, kMiddle, kLate, kAny>(
       scene.robot, [&]<Capacity kSize>() { return report_in_kernel<kSize>(scene, motion, options, rate); });
   if (out.end != End::kFailed && out.end != End::kBroken &&
       !(out.energy_residual <= energy_tolerance(options.accuracy)))

@@ -62,8 +62,9 @@ struct BodyScene {
   std::string source;                                  ///< where the floor's constants come from
   std::optional<Uncertainty> uncertainty, identified;  ///< of floor and pitch from calibrate; of the robot from its fit
   Verdicts verdicts, robot_verdicts;                   ///< of calibrate; of the robot's fit
-  Drop drop;  ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
-              ///< link; forward speed: of a free base; pitch_rate: not on a rail
+  Drop drop;      ///< height: of the lowest contact's surface, not of a pinned robot; pitch: theta of the first
+                  ///< link; forward speed: of a free base; pitch_rate: not on a rail
+  Place drop_at;  ///< the place of a free base's first link that starts at x = 0 with the drop's speeds
   double detection_delay = 0;                ///< from the first touchdown to the motion's start [s], >= 0
   std::optional<double> t_end;               ///< upper bound of a run, from release [s]; absent: as Scene::t_end
   std::vector<JointSearch> search;           ///< of Robot::joints; unused where not driven

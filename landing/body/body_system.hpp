@@ -11,7 +11,6 @@
 #include "landing/body/equations.hpp"
 #include "landing/body/joint.hpp"
 #include "landing/model/motion.hpp"
-#include "landing/model/two_link.hpp"
 #include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
@@ -87,13 +86,21 @@ class BodySystem
                       [&, i = body.stops_begin](const Stop& s, int) mutable { point[i++] = ContactConstants<T>(s); });
     for (int i = 0; i < body.joints; ++i) {
       const Joint& j = robot.joints[body.joint[i].joint];
-      drive[i] = {j.kind,    j.sea.cast<T>(),         T(j.stiffness),     T(j.damping),
-                  T(j.rest), T(j.parallel_stiffness), T(j.parallel_rest), is_extended(j.sea)};
+      drive[i] = {j.kind,
+                  j.sea.cast<T>(),
+                  T(j.stiffness),
+                  T(j.damping),
+                  T(j.rest),
+                  T(j.parallel_stiffness),
+                  T(j.parallel_rest),
+                  T(1),
+                  is_extended(j.sea)};
     }
-    find_dry_friction();
+    complete_constants();
   }
-  /// Sets `has_friction`: where there is dry friction, or derivatives by it.
-  void find_dry_friction() {
+  /// Sets what follows from other constants: 1 / i_motor, and where there is dry friction, or derivatives by it.
+  void complete_constants() {
+    for (int i = 0; i < body.joints; ++i) drive[i].inverse_i_motor = T(1) / drive[i].sea.i_motor;
     rail_has_friction = body.base == Base::kRail && any(present(rail_friction) | present(rail_load_friction));
     has_friction = links_may_stick = rail_has_friction;
     for (int i = 0; i < body.joints; ++i) {

@@ -29,6 +29,9 @@
 
 namespace ukemi::landing {
 
+template <class T>
+using Vec2 = Eigen::Matrix<T, 2, 1>;
+
 /// What a kernel leaves out.
 enum class Plain {
   kNothing,
@@ -45,7 +48,7 @@ struct Capacity {
   constexpr bool straight() const { return plain != Plain::kNothing; }  ///< only robots of has_plain_links
 };
 /// The compiled kernels: exact for the paper's robot, a double pendulum, legs of 2 and 3 joints; others by maximum
-/// size. Those that leave something out are for peaks alone: derivatives may be by a term that is 0.
+/// size. Those that leave something out are not for derivatives by a term that is 0.
 inline constexpr Capacity kPlainPair{2, 1, 3, true, false, Plain::kLinksAndDrives},
     kStraightPair{2, 1, 3, true, false, Plain::kLinks}, kPair{2, 1, 3, true}, kPendulum{2, 2, 2, true},
     kPlainTriple{3, 2, 4, true, false, Plain::kLinksAndDrives}, kStraightTriple{3, 2, 4, true, false, Plain::kLinks},
@@ -97,8 +100,11 @@ auto in_kernel(const Robot& robot, F&& f) {
 }
 
 /// Calls f<kernel>() with the first kernel of gradients, or of peaks, that fits the robot; as listed in CMakeLists.txt.
+/// `plain`: kernels that leave terms out will do.
 template <class F>
-auto in_gradient_kernel(const Robot& robot, F&& f) {
+auto in_gradient_kernel(const Robot& robot, bool plain, F&& f) {
+  if (plain && fits(robot, kPlainPair)) return f.template operator()<kPlainPair>();
+  if (plain && fits(robot, kPlainTriple)) return f.template operator()<kPlainTriple>();
   return in_kernel<kPair, kTriple, kQuad, kMiddle, kLateLeg, kLate, kAny>(robot, f);
 }
 template <class F>
@@ -177,8 +183,8 @@ struct Body {
   Arm peak{}, first{};                             ///< `first`: the origin of the first link
   std::array<Arm, kMaxLinks> origin{};             ///< of every link
   Arm moment{};                                    ///< sum_i m_i A_i, sum_i m_i B_i [kg m]; 0 with a free base
-  T mass{0}, inverse_mass{0};
-  std::array<T, 2> rail{T(0), T(1)};  ///< e
+  T mass{0}, inverse_mass{0}, inverse_first{0};    ///< the last: 1 / n[0][0], for kernels of straight links
+  std::array<T, 2> rail{T(0), T(1)};               ///< e
   std::array<TreeJoint, kSize.joints> joint{};
   std::array<double, kMaxLinks> offset{};  ///< theta of a link minus theta of its body [rad]
   std::array<int, kMaxLinks> body_of{};    ///< of a link
@@ -192,7 +198,8 @@ struct Body {
     for (std::size_t i = 0; i < x.contact.size(); ++i) Arm::for_each(x.contact[i], y.contact[i], f);
     Arm::for_each(x.peak, y.peak, f), Arm::for_each(x.first, y.first, f), Arm::for_each(x.moment, y.moment, f);
     for (std::size_t i = 0; i < x.stop.size(); ++i) f(x.stop[i].end, y.stop[i].end);
-    f(x.mass, y.mass), f(x.inverse_mass, y.inverse_mass), f(x.rail[0], y.rail[0]), f(x.rail[1], y.rail[1]);
+    f(x.mass, y.mass), f(x.inverse_mass, y.inverse_mass), f(x.inverse_first, y.inverse_first), f(x.rail[0], y.rail[0]),
+        f(x.rail[1], y.rail[1]);
   }
   /// Copies everything that is not a number of T.
   template <class U>
@@ -289,9 +296,11 @@ struct Symmetric {
   std::array<std::array<T, kMax>, kMax> m{};
 
   /// M = L D L', in place: L below the diagonal, the inverse of D on it.
-  UKEMI_INLINE void factor(int n) {
+  UKEMI_INLINE void factor(int n) { factor(n, T(T(1) / m[0][0])); }
+  /// The same with the inverse of the first element of M.
+  UKEMI_INLINE void factor(int n, const T& first) {
     for (int j = 0; j < n; ++j) {
-      m[j][j] = T(1) / m[j][j];
+      m[j][j] = j == 0 ? first : T(T(1) / m[j][j]);
       for (int i = n; --i > j;) {  // upwards: the rows above still have their elements of M
         const T l = m[i][j] * m[j][j];
         for (int k = j + 1; k <= i; ++k) m[i][k] -= l * m[k][j];
@@ -423,6 +432,8 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   MassMatrix<T, kSize> mass(b, p, right);
   if (base == Base::kRail)  // separate calls: loop counts are constants in exact kernels
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
+  else if constexpr (kSize.straight())
+    mass.factor(bodies, b.inverse_first), mass.solve(bodies, right);
   else
     mass.factor(bodies), mass.solve(bodies, right);
   if (stick) [[unlikely]]
@@ -471,7 +482,8 @@ Body<double, kSize> body_of(const Robot& robot) {
   Body<double, kSize> out;
   out.base = robot.base;
   int bodies = 0, joints = 0;
-  std::vector<Arm> origin(robot.links.size()), com = origin;
+  const std::size_t links = robot.links.size();
+  std::array<Arm, kMaxLinks> origin{}, com{};
   const auto shifted = [&](const Arm& from, int link, const Place& at) {
     return landing::shifted(out, from, link, at);
   };
@@ -491,7 +503,7 @@ Body<double, kSize> body_of(const Robot& robot) {
   }
   out.inverse_mass = 1 / out.mass;
   Arm centre;
-  for (std::size_t i = 0; i < com.size(); ++i)
+  for (std::size_t i = 0; i < links; ++i)
     for (int j = 0; j < bodies; ++j)
       centre.a[j] += robot.links[i].mass * com[i].a[j], centre.b[j] += robot.links[i].mass * com[i].b[j];
   if (robot.base != Base::kFree) out.moment = centre;
@@ -500,7 +512,7 @@ Body<double, kSize> body_of(const Robot& robot) {
       arm.a[j] -= centre.a[j] / out.mass, arm.b[j] -= centre.b[j] / out.mass;
     return arm;
   };
-  for (std::size_t i = 0; i < com.size(); ++i) {
+  for (std::size_t i = 0; i < links; ++i) {
     const Arm r = from_base(com[i]);
     const double m = robot.links[i].mass;
     out.n[out.body_of[i]][out.body_of[i]] += robot.links[i].inertia_com;
@@ -521,6 +533,7 @@ Body<double, kSize> body_of(const Robot& robot) {
     out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
   }
   for (int j = 0; j < bodies; ++j) out.n[j][j] += out.p[j][j];
+  out.inverse_first = 1 / out.n[0][0];
   out.bodies = {bodies}, out.joints = {joints};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
@@ -531,7 +544,7 @@ Body<double, kSize> body_of(const Robot& robot) {
                                               s.ends[std::size_t(end)]};
   });
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
-  for (std::size_t i = 0; i < origin.size(); ++i) out.origin[i] = from_base(origin[i]);
+  for (std::size_t i = 0; i < links; ++i) out.origin[i] = from_base(origin[i]);
   out.first = out.origin[0];
   return out;
 }

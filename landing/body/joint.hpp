@@ -14,6 +14,7 @@ struct JointConstants {
   SeaParameters<T> sea{T(0), T(0), T(0), T(0), T(1)};
   T stiffness{0}, damping{0}, rest{0};  ///< passive
   T parallel_stiffness{0}, parallel_rest{0};
+  T inverse_i_motor{1};  ///< see BodySystem::complete_constants
 
   bool extended = false;                    ///< friction, or a spring that stiffens
   std::array<bool, kSides> has_friction{};  ///< by side: dry friction, or derivatives by it
@@ -32,6 +33,7 @@ struct JointConstants {
     SeaParameters<T>::for_each(a.sea, b.sea, f);
     f(a.stiffness, b.stiffness), f(a.damping, b.damping), f(a.rest, b.rest);
     f(a.parallel_stiffness, b.parallel_stiffness), f(a.parallel_rest, b.parallel_rest);
+    f(a.inverse_i_motor, b.inverse_i_motor);
   }
 };
 

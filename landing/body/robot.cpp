@@ -217,9 +217,9 @@ double extent(const Robot& robot, int link) {
 }
 
 double reach(const Robot& robot) {
-  double out = 0;
-  for (int i = 0; i < int(robot.links.size()); ++i)
-    for (const Place& p : places(robot, i)) out = std::max(out, max_distance(robot, i, p));
+  double out = max_distance(robot, robot.peak_link, robot.peak);
+  for (int i = 0; i < int(robot.links.size()); ++i) out = std::max(out, max_distance(robot, i, {}));
+  for (const ContactPoint& c : robot.contacts) out = std::max(out, max_distance(robot, c.link, c.at));
   return out;
 }
 

@@ -14,6 +14,7 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/sea.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/body/floor_constants.hpp"
 #include "landing/body/places.hpp"
 
@@ -309,25 +310,6 @@ void read_drives(LinkReader& reader, TomlFile& file, TomlFile* scene, const std:
 
 }  // namespace
 
-Robot by_links(const TwoLinkTable& table, const ContactLaw& law) {
-  const double l = table.robot.link_length;
-  const auto link = [&](const char* name, int parent, Place at, std::size_t i) {
-    return Link{name, parent, at, table.robot.mass[i], table.robot.inertia_com[i], {l / 2, 0}};
-  };
-  Robot out;
-  out.gravity = table.robot.gravity;
-  out.links = {link("thigh", -1, {}, 0), link("shank", 0, {l, 0}, 1)};
-  out.peak = out.links[0].com;
-  const std::array<ContactPoint, kPoints> points = {
-      {{"hip", 0, {0, 0}, law, {}}, {"knee", 0, {l, 0}, law, {}}, {"foot", 1, {l, 0}, law, {}}}};
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (table.contacts[i]) out.contacts.push_back(points[i]);
-  Joint knee;
-  knee.name = "knee", knee.child = 1;
-  out.joints = {knee};
-  return out;
-}
-
 bool is_geared_constant(const std::string& key) {
   constexpr std::array kKeys = {"k_p",
                                 "k_d",
@@ -404,7 +386,9 @@ void read_robot_tables(TomlFile& file, TomlFile* scene, const ContactLaw& floor,
   TomlSection s = file.require("robot");
   LinkReader links{robot, s.sections("link")};
   if (links.sections.empty() && s.has("link_length")) {
-    robot = by_links(read_two_link(s), floor), links.joints = {s};
+    const TwoLinkTable two = read_two_link(s);
+    robot = by_links(two.robot, two.contacts, floor), links.joints = {s};
+    out.drop_at = robot.links[0].com;
   } else {
     robot.gravity = s.number("gravity", Range::non_negative());
     read_base(s, robot);

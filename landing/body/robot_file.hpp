@@ -24,10 +24,6 @@ TomlFile open_edited(const std::string& path, const Texts& texts);
 /// Reads a contact law of [floor] or of a contact; `floor`: defaults of a contact, absent for [floor].
 ContactLaw read_law(TomlSection& section, const std::optional<ContactLaw>& floor);
 
-/// The paper's robot as a robot of links: thigh and shank, joined by the knee, which has no drive yet; all contact
-/// points get this law.
-Robot by_links(const TwoLinkTable& table, const ContactLaw& law);
-
 /// Whether a geared drive has this constant of an actuator.
 bool is_geared_constant(const std::string& key);
 /// Gives a joint the elastic drive of an actuator file. Throws InputError for one without controller gains.

@@ -19,6 +19,7 @@ namespace {
 using Of = BodyParameter::Of;
 
 /// Indices into kContactKeys.
+constexpr int kPlainConstants = kConstants + 1;  // of Eq. 2-4, and tau_max: the first of actuator_constants()
 enum { kStiffness, kDampingNormal, kDampingTangential, kStiffnessTangential, kFriction, kExponent, kDissipation, kPad };
 
 std::size_t count_of(Of of) {
@@ -37,7 +38,7 @@ std::size_t count_of(Of of) {
 
 /// Throws InputError for a parameter that the robot has not.
 void check(const BodyParameter& p, const Robot& robot) {
-  const bool is_contact = p.of == Of::kContact, all = p.index == -1 && p.of == Of::kMotion;
+  const bool is_contact = p.of == Of::kContact, all = p.index == -1 && (p.of == Of::kMotion || is_contact);
   const std::size_t count = is_contact ? robot.contacts.size() : robot.joints.size();
   const bool which_valid = p.which >= 0 && std::size_t(p.which) < count_of(p.of),
              index_valid = all || p.of == Of::kDrop || (p.index >= 0 && std::size_t(p.index) < count);
@@ -48,11 +49,21 @@ void check(const BodyParameter& p, const Robot& robot) {
   if (!joint.driven()) throw InputError("parameter: joint " + joint.name + " is not driven");
 }
 
+/// Whether a derivative by the parameter needs a term that kernels of Plain::kLinksAndDrives leave out.
+bool is_plain(const BodyParameter& p) {
+  if (p.of == Of::kContact) return p.which <= kDampingTangential;
+  return p.of != Of::kDrive || p.which < kPlainConstants;
+}
+
 BodyGradients gradients_of_run(const BodyScene& scene, const BodyMotion& motion,
                                std::span<const BodyParameter> parameters, const SimulateOptions& options,
                                int max_peaks) {
-  return in_gradient_kernel(scene.robot, [&]<Capacity kSize>() {
-    return gradients_in_kernel<kSize>(scene, motion, parameters, options, max_peaks);
+  const bool few = parameters.size() <= std::size_t(kFewParameters),
+             plain = std::all_of(parameters.begin(), parameters.end(), is_plain);
+  return in_gradient_kernel(scene.robot, plain, [&]<Capacity kSize>() {
+    if constexpr (kSize.plain == Plain::kLinksAndDrives)
+      if (few) return gradients_in_kernel<kSize, kFewParameters>(scene, motion, parameters, options, max_peaks);
+    return gradients_in_kernel<kSize, kParametersPerRun>(scene, motion, parameters, options, max_peaks);
   });
 }
 
@@ -77,6 +88,7 @@ void append_derivatives(BodyGradients& out, const BodyGradients& more) {
   append_derivatives(out.peaks, more.peaks);
   for (std::size_t i = 0; i < out.loads.size(); ++i) append_derivatives(out.loads[i], more.loads[i]);
   if (out.end != End::kFailed) out.end = more.end, out.status = more.status;
+  out.work += more.work;
 }
 
 }  // namespace
@@ -89,7 +101,7 @@ std::string name(const BodyParameter& p, const Robot& robot) {
   const auto index = std::size_t(p.index);
   if (p.of == Of::kMotion) return kMotionNames[which] + ("_" + robot.joints[index].name);
   if (p.of == Of::kDrive) return "drive." + robot.joints[index].name + "." + actuator_constants()[which].key;
-  return "contact." + robot.contacts[index].name + "." + kContactKeys[which];
+  return (p.index < 0 ? "contact." : "contact." + robot.contacts[index].name + ".") + kContactKeys[which];
 }
 
 std::vector<BodyParameter> parameters_of(const BodyScene& scene, const BodyMotion& motion) {
@@ -132,13 +144,13 @@ double& number(BodyScene& scene, BodyMotion& motion, const BodyParameter& p) {
   if (p.of == Of::kDrop) return *drop_numbers(scene.drop)[std::size_t(p.which)];
   if (p.of == Of::kDrive)
     return scene.robot.joints[std::size_t(p.index)].sea.*actuator_constants()[std::size_t(p.which)].at;
-  if (p.of == Of::kContact) {
+  if (p.of == Of::kContact && p.index >= 0) {
     ContactPoint& c = scene.robot.contacts[std::size_t(p.index)];
     double* const x = contact_constant(c, kContactKeys[std::size_t(p.which)]);
     if (!x) throw InputError("parameter: contact " + c.name + " has no pad");
     return *x;
   }
-  if (p.index < 0) throw InputError("parameter: one joint's number is needed");
+  if (p.index < 0) throw InputError("parameter: the number of one joint or contact is needed");
   Motion& m = motion.at(std::size_t(p.index));
   if (p.which == kToSlot && !m.reposition) throw InputError("parameter: the joint does not move in the air");
   double none = 0;

@@ -21,7 +21,8 @@ struct BodyParameter {
     kDrive,    ///< of a joint's drive, `which` as actuator_constants()
     kContact,  ///< of a contact, `which` as kContactKeys
   } of;
-  int index;  ///< of Robot::joints, with kContact of Robot::contacts; -1 with kMotion: all driven joints together
+  int index;  ///< of Robot::joints, with kContact of Robot::contacts; -1 with kMotion: all driven joints together, with
+              ///< kContact: all contacts together
   int which;
 };
 /// "phi_i_hip", "duration", "drop.height", "drive.hip.k_p", "contact.foot.friction".
@@ -38,6 +39,7 @@ struct BodyPeakGradient {
   double value;  ///< [m/s^2]; of a load in the unit of its kind
   Eigen::VectorXd d;
   PeakKind kind;
+  int contact = -1;  ///< last touchdown before it, as RunEnd::peak_contact
 };
 
 struct BodyGradients {
@@ -47,6 +49,7 @@ struct BodyGradients {
   double t_end = 0;  ///< from release [s]
   End end = End::kFailed;
   integrate::Status status = integrate::Status::kStepped;  ///< with kFailed; kNotFinite: an event at zero rate
+  integrate::Counters work;
 };
 
 /// The `max_peaks` largest local maxima. At events of one instant the gradient is one-sided, in the order in which they

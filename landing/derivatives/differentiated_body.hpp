@@ -41,21 +41,24 @@ class DifferentiatedBody {
                      const SimulateOptions& options)
       : scene_(scene), options_(options), course_(scene, motion), plain_(scene.robot, scene.slope), dual_(plain_) {
     for (std::size_t k = 0; k < parameters.size(); ++k) seed(parameters[k], int(k));
-    course_.system.find_dry_friction();
+    course_.system.complete_constants();
   }
 
   template <class Observer>
   DifferentiatedOutcome run(Observer& observer) {
-    const State y = course_.released();
+    typename Course::Fall fall = course_.fall(course_.released());
+    if (fall.until > 0 && !stays_still(fall)) fall.until = 0;
     plain_ = Plain(course_.system);
     dual_ = DualSystem(course_.system);
-    return follow_with_derivatives(*this, 0, y, observer);
+    first_step_ = fall.first_step();
+    if constexpr (requires { observer.fall(*this, fall); }) observer.fall(*this, fall);
+    return follow_with_derivatives(*this, fall.until, fall.at(fall.until), observer);
   }
 
   const BodyScene& scene() const { return scene_; }
   const System& system() const { return course_.system; }
   const Plain& plain() const { return plain_; }
-  int touchdowns() const { return touchdowns_; }
+  int touchdowns() const { return contacts_.size(); }
   /// Scale of each derivative, which is by parameter / unit; relative for constants, for the error control.
   const Eigen::Array<double, P, 1>& unit() const { return unit_; }
 
@@ -85,7 +88,8 @@ class DifferentiatedBody {
   // The course, as required by follow_with_derivatives.
   const SimulateOptions& options() const { return options_; }
   integrate::Options step_options() const {
-    return {.accuracy = course_.step_accuracy(options_.accuracy), .first_step = 1e-4, .max_step = options_.max_step};
+    return {
+        .accuracy = course_.step_accuracy(options_.accuracy), .first_step = first_step_, .max_step = options_.max_step};
   }
   void open(double, const State&) {}
   double longest_step() const { return course_.longest_step(); }
@@ -102,17 +106,28 @@ class DifferentiatedBody {
   bool cross(int event, const Jet& t, State& y) {
     const bool first = !course_.touched();
     const typename Course::Crossing crossing = course_.cross(event, t, y);
-    touchdowns_ += crossing.touched >= 0;
+    if (crossing.touched >= 0)
+      contacts_.touchdown(crossing.touched, t.a);
+    else if (crossing.surface)
+      contacts_.liftoff(event / System::kGuardsPerContact, t.a);
     if (crossing.lands) course_.land(t);
     course_.settle(t.a, y), sync_modes();
     return first && crossing.touched >= 0;
   }
-  bool rests(double t, const Values& y, double square) const {
-    return course_.touched() && !course_.detecting() &&
-           at_rest(plain_, t, y, RestEnergy(plain_, options_.accuracy)(square));
+  bool rests(double t, const Values& y, double square) {
+    ++steps_;
+    return course_.touched() && !course_.detecting() && rest_test_.due(steps_) &&
+           rest_test_(steps_, plain_, t, y, RestEnergy(plain_, options_.accuracy)(square));
   }
 
  private:
+  /// Whether links and motors stay at rest in a fall for small changes of the parameters too.
+  static bool stays_still(const typename Course::Fall& fall) {
+    constexpr double kRounding = 1e-8;
+    for (int k = System::kTheta; k < System::kStates; ++k)
+      if (k != System::kVx && k != System::kVy && !fall.rate[k].v.isZero(kRounding)) return false;
+    return true;
+  }
   template <class Any>
   static auto of_peak(const Any& s, const typename Any::State& y, const typename Any::State& dy) {
     return landing::acceleration(s.body.peak, s.pose(y), s.accelerations_of(dy), s.body.bodies);
@@ -139,12 +154,14 @@ class DifferentiatedBody {
           if (course_.system.body.joint[i].joint == p.index) seed_drive(i, p.which, slot);
         break;
       case BodyParameter::Of::kContact: {
-        if (p.index >= course_.system.body.contacts) break;
-        ContactConstants<Jet>& c = course_.system.point[std::size_t(p.index)];
-        // In the order of kContactKeys.
-        set(*std::array{&c.k, &c.c, &c.c_t, &c.k_t, &c.mu, &c.p, &c.dissipation, &c.k_pad, &c.c_pad,
-                        &c.thickness}[std::size_t(p.which)],
-            slot, true);
+        for (int i = 0; i < course_.system.body.contacts; ++i) {
+          if (p.index >= 0 && i != p.index) continue;
+          ContactConstants<Jet>& c = course_.system.point[std::size_t(i)];
+          // In the order of kContactKeys.
+          set(*std::array{&c.k, &c.c, &c.c_t, &c.k_t, &c.mu, &c.p, &c.dissipation, &c.k_pad, &c.c_pad,
+                          &c.thickness}[std::size_t(p.which)],
+              slot, p.index >= 0 || i == 0);  // all contacts together have the unit of the first
+        }
       }
     }
   }
@@ -157,7 +174,7 @@ class DifferentiatedBody {
     const auto at = actuator_constants()[std::size_t(which)].at;
     auto& drive = course_.system.drive[std::size_t(i)];
     const SeaParameters<double>& plain = course_.joint_of(i).sea;
-    drive.extended = true;  // includes derivatives by friction of 0, see find_dry_friction
+    drive.extended = true;  // includes derivatives by friction of 0, see complete_constants
     SeaParameters<Jet>::for_each(drive.sea, plain, [&](Jet& x, const double& of) {
       if (&of == &(plain.*at)) set(x, slot, true);
     });
@@ -177,7 +194,10 @@ class DifferentiatedBody {
   Plain plain_;
   DualSystem dual_;
   Eigen::Array<double, P, 1> unit_ = Eigen::Array<double, P, 1>::Ones();
-  int touchdowns_ = 0;
+  ContactOrder contacts_;
+  double first_step_ = 0;  ///< [s]
+  double steps_ = 0;       ///< so far, for the rest test
+  RestTest rest_test_;
 };
 
 }  // namespace ukemi::landing

@@ -27,14 +27,14 @@ struct Deadline {
 /// Steps a landing from the state `start` at time t to its end. `Landing` provides its course: step_options, open,
 /// longest_step, stop, reached, land, cross, rests, end_moves; system() and, in the same mode, plain() in doubles. An
 /// observer sees, in this order of time:
+///   fall(landing, fall)                     if it has one: the free fall before, a BodyCourse::Fall
 ///   begin(landing, t, y)                    where the integration starts
 ///   step(landing, driver)                   a step of positive length, in the mode before its event
 ///   before_event(landing, t, y, dy, shift)  the left limit of an event; `shift` is dt*/dp of its time t*
 ///   after_event(landing, t, y, shift, event) the right limit, in the mode after guard `event`
 ///   time_limit(landing, t, y, dy, shift)    the end of the run by its time limit
 ///   finish(landing)
-/// (for the paper's robot first flight(landing, y, until), the closed-form flight from the state y at release); with
-/// Rest::kStop it returns by running() the largest |ddr_0|^2 so far, for the rest test.
+/// With Rest::kStop it returns by running() the largest |ddr_0|^2 so far, for the rest test.
 template <class Landing, class Observer>
 class DifferentiatedRun {
   using Jet = typename Landing::Jet;

@@ -1,45 +1,51 @@
 #include "landing/derivatives/gradient.hpp"
 
-#include "landing/derivatives/differentiated_landing.hpp"
-#include "landing/derivatives/peak_observer.hpp"
+#include "landing/body/by_links.hpp"
+#include "landing/derivatives/paper_parameters.hpp"
 
 namespace ukemi::landing {
 
 namespace {
 
-template <int P, LandingTerms kTerms>
-PeakGradients<P> peaks_of(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                          const SimulateOptions& options, int max_peaks) {
-  DifferentiatedLanding<P, kTerms> landing(scene, sea, motion, options, Parameter::kPhiI);
-  PeakObserver<DifferentiatedLanding<P, kTerms>> observer(max_peaks);
-  const auto outcome = landing.run(observer);
-  for (auto& p : observer.peaks) p.d.array() /= landing.unit();
-  return {std::move(observer.peaks), outcome.t_end, outcome.end, outcome.status, outcome.work};
-}
-
+/// The gradients by the first P of Parameter.
 template <int P>
-PeakGradients<P> differentiate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                               const SimulateOptions& options, int max_peaks) {
+PeakGradients<P> first_gradients(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
+                                 const SimulateOptions& options, int max_peaks) {
   validate(scene, sea, motion), options.validate();
-  return with_terms(sea,
-                    [&]<LandingTerms kTerms>() { return peaks_of<P, kTerms>(scene, sea, motion, options, max_peaks); });
+  const TwoLinkLanding l(scene, sea, motion);
+  std::array<BodyParameter, P> parameters;
+  for (int i = 0; i < P; ++i) parameters[std::size_t(i)] = body_parameter(Parameter(i));
+  const BodyGradients found = gradients(l.scene, l.motion, parameters, options, max_peaks);
+  PeakGradients<P> out{{}, found.t_end, found.end, found.status, found.work};
+  for (const BodyPeakGradient& p : found.peaks) out.peaks.push_back({p.t, p.value, p.d, p.kind, p.contact});
+  return out;
 }
 
 }  // namespace
 
+BodyParameter body_parameter(Parameter p) {
+  using Of = BodyParameter::Of;
+  const int of_drop = int(p) - int(Parameter::kHeight), of_contact = int(p) - int(Parameter::kStiffness),
+            of_drive = int(p) - int(Parameter::kKp);
+  if (of_drive >= 0) return {Of::kDrive, 0, of_drive};
+  if (of_contact >= 0) return {Of::kContact, -1, of_contact};
+  if (of_drop >= 0) return {Of::kDrop, -1, of_drop};
+  return {Of::kMotion, -1, int(p)};
+}
+
 PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                 const Motion& motion, const SimulateOptions& options, int max_peaks) {
-  return differentiate<kQuinticParameters>(scene, sea, motion, options, max_peaks);
+  return first_gradients<kQuinticParameters>(scene, sea, motion, options, max_peaks);
 }
 
 PeakGradients<kMotionParameters> motion_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                               const Motion& motion, const SimulateOptions& options, int max_peaks) {
-  return differentiate<kMotionParameters>(scene, sea, motion, options, max_peaks);
+  return first_gradients<kMotionParameters>(scene, sea, motion, options, max_peaks);
 }
 
 PeakGradients<kParameters> all_gradients(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                          const SimulateOptions& options, int max_peaks) {
-  return differentiate<kParameters>(scene, sea, motion, options, max_peaks);
+  return first_gradients<kParameters>(scene, sea, motion, options, max_peaks);
 }
 
 }  // namespace ukemi::landing

@@ -1,4 +1,4 @@
-// Compiled once for each kernel, UKEMI_KERNEL (see CMakeLists.txt).
+// Compiled once for each kernel, UKEMI_KERNEL, with UKEMI_PARAMETERS derivatives (see CMakeLists.txt).
 #include "landing/derivatives/gradient_kernel.hpp"
 
 #include "landing/derivatives/differentiated_body.hpp"
@@ -13,20 +13,20 @@ template <class Peaks, class Unit>
 std::vector<BodyPeakGradient> in_units(const Peaks& peaks, const Unit& unit, std::size_t parameters) {
   std::vector<BodyPeakGradient> out;
   for (const auto& p : peaks)
-    out.push_back({p.t, p.value, (p.d.array() / unit).matrix().head(Eigen::Index(parameters)), p.kind});
+    out.push_back({p.t, p.value, (p.d.array() / unit).matrix().head(Eigen::Index(parameters)), p.kind, p.contact});
   return out;
 }
 
 }  // namespace
 
-template <Capacity kSize>
+template <Capacity kSize, int P>
 BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& motion,
                                   std::span<const BodyParameter> parameters, const SimulateOptions& options,
                                   int max_peaks) {
-  using Differentiated = DifferentiatedBody<kParametersPerRun, kSize>;
+  using Differentiated = DifferentiatedBody<P, kSize>;
   Differentiated landing(scene, motion, parameters, options);
   const auto outcome_of = [](const DifferentiatedOutcome& o) {
-    return BodyGradients{.t_end = o.t_end, .end = o.end, .status = o.status};
+    return BodyGradients{.t_end = o.t_end, .end = o.end, .status = o.status, .work = o.work};
   };
   const std::size_t n = parameters.size();
   if (scene.loads.empty()) {
@@ -42,7 +42,8 @@ BodyGradients gradients_in_kernel(const BodyScene& scene, const BodyMotion& moti
     out.loads.push_back(in_units(observer.peaks(i), landing.unit(), n));
   return out;
 }
-template BodyGradients gradients_in_kernel<UKEMI_KERNEL>(const BodyScene&, const BodyMotion&,
-                                                         std::span<const BodyParameter>, const SimulateOptions&, int);
+template BodyGradients gradients_in_kernel<UKEMI_KERNEL, UKEMI_PARAMETERS>(const BodyScene&, const BodyMotion&,
+                                                                           std::span<const BodyParameter>,
+                                                                           const SimulateOptions&, int);
 
 }  // namespace ukemi::landing

@@ -61,11 +61,6 @@ class PeakObserver {
   explicit PeakObserver(int max_peaks, Quantity quantity = {})
       : max_peaks_(std::size_t(std::max(1, max_peaks))), quantity_(std::move(quantity)) {}
 
-  void flight(const Landing& l, const State&, double) {
-    const double g = l.scene().robot.gravity;
-    add(0, Jet(g), PeakKind::kInside, -1);
-    before_ = {0, -1, {running_ = g * g, 0}, Jet(g)};
-  }
   void begin(const Landing& l, double t, const State& y) {
     after_ = limit_at(l, t, y, l.system().derivative(t, y), Derivatives::Zero());
     last_ = after_.square;

@@ -51,6 +51,11 @@ class BodySampler {
   void liftoff(int, double) {}
   void force_jumps(double t) { sampling_.out.jumps.push_back(t); }
   void finish() {}
+  template <class Fall>
+  void fall(const System& s, const Fall& f) {
+    for (; next_ < sampling_.times.size() && sampling_.times[next_] < f.until; ++next_)
+      sample(s, sampling_.times[next_], f.at(sampling_.times[next_]));
+  }
   template <class Integrator>
   void step(const System& s, Integrator& integrator) {
     const auto& step = integrator.step();

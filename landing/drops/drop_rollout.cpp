@@ -4,29 +4,28 @@
 
 #include "common/csv.hpp"
 #include "common/error.hpp"
-#include "landing/derivatives/differentiated_landing.hpp"
+#include "landing/body/by_links.hpp"
+#include "landing/derivatives/differentiated_body.hpp"
+#include "landing/derivatives/paper_parameters.hpp"
 
 namespace ukemi::landing {
 
 namespace {
 
 /// Samples the landing at given times.
-template <LandingTerms kTerms>
+template <class Landing>
 class SampleObserver {
-  using Landing = DifferentiatedLanding<kDropParameters, kTerms>;
   using Jet = typename Landing::Jet;
   using State = typename Landing::State;
   using Values = typename Landing::Values;
+  using System = typename Landing::System;
 
  public:
   explicit SampleObserver(const std::vector<double>& times) : times_(times) { out.samples.reserve(times.size()); }
 
-  void flight(const Landing& l, const State& released, double end) {
-    for (; waiting() && next() <= end;) {
-      State y = released;
-      fly(l.system(), l.scene(), next(), y);
-      sample(l, y);
-    }
+  template <class Fall>
+  void fall(const Landing& l, const Fall& f) {
+    while (waiting() && next() < f.until) sample(l, f.at(next()));
   }
   void begin(const Landing&, double, const State&) {}
   void step(const Landing& l, typename Landing::Driver& driver) {
@@ -36,7 +35,7 @@ class SampleObserver {
   }
   void before_event(const Landing&, double, const State&, const State&, const typename Landing::Derivatives&) {}
   void after_event(const Landing&, double t, const State&, const typename Landing::Derivatives&, int event) {
-    if (event < kPoints) out.jumps.push_back(t);
+    if (event < System::kJointGuards && event % System::kGuardsPerContact == System::kSurface) out.jumps.push_back(t);
   }
   void time_limit(const Landing& l, double, const State& y, const State&, const typename Landing::Derivatives&) {
     while (waiting()) sample(l, y);  // the last time, if it exceeds the time limit by rounding
@@ -56,15 +55,16 @@ class SampleObserver {
     const Values v = Landing::values(y), dv = l.plain().derivative(t, v);
     const Vec2<Jet> a = l.acceleration(y, l.system().derivative(t, y));
     const auto da = l.acceleration_rate(t, v, dv);
-    const Pose<Jet> pose = l.system().pose(y);
-    const Vec2<Jet> r = thigh_position(l.system().link, pose), dr = thigh_velocity(l.system().link, pose);
+    const auto pose = l.system().pose(y);
+    const auto& body = l.system().body;
+    const Vec2<Jet> r = position(body.peak, pose, body.bodies), dr = velocity(body.peak, pose, body.bodies);
     DropSample s;
     const auto set = [&](DropOutput o, const Jet& value, double rate) {
-      s.value[o] = value.a, s.rate[o] = rate, s.slope[o] = value.v;
+      s.value[o] = value.a, s.rate[o] = rate, s.slope[o] = value.v.template head<kDropParameters>();
     };
     set(kAccX, a.x(), da.x().v[0]), set(kAccY, a.y(), da.y().v[0]);
     set(kThighX, r.x(), dr.x().a), set(kThighY, r.y(), dr.y().a);
-    set(kThighAngle, y[kTheta0], v[kOmega0]);
+    set(kThighAngle, y[System::kTheta], v[System::kOmega]);
     const Jet square = a.x() * a.x() + a.y() * a.y();
     if (square.a > 0)
       set(kAcc, sqrt(square), (a.x().a * s.rate[kAccX] + a.y().a * s.rate[kAccY]) / sqrt(square.a));
@@ -76,18 +76,22 @@ class SampleObserver {
   const std::vector<double>& times_;
 };
 
-template <LandingTerms kTerms>
-DropRollout roll(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                 const std::vector<double>& times, const SimulateOptions& options) {
-  DifferentiatedLanding<kDropParameters, kTerms> landing(scene, sea, motion, options, Parameter::kHeight);
-  SampleObserver<kTerms> observer(times);
+template <Capacity kSize>
+DropRollout roll(const TwoLinkLanding& drop, const std::vector<double>& times, const SimulateOptions& options) {
+  constexpr int kJets = 8;  // as many registers as for the parameters
+  using Landing = DifferentiatedBody<kJets, kSize>;
+  std::array<BodyParameter, kDropParameters> parameters;
+  for (int i = 0; i < kDropParameters; ++i)
+    parameters[std::size_t(i)] = body_parameter(Parameter(int(Parameter::kHeight) + i));
+  Landing landing(drop.scene, drop.motion, parameters, options);
+  SampleObserver<Landing> observer(times);
   const auto outcome = landing.run(observer);
   DropRollout out = std::move(observer.out);
   out.status = outcome.status;
   out.steps = outcome.work.steps + outcome.work.rejected;
   out.complete = out.samples.size() == times.size();
   for (DropSample& s : out.samples)
-    for (DropDerivatives& d : s.slope) d.array() /= landing.unit();
+    for (DropDerivatives& d : s.slope) d.array() /= landing.unit().template head<kDropParameters>();
   return out;
 }
 
@@ -104,12 +108,12 @@ DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, cons
   validate(scene, sea, motion), options.validate();
   if (times.empty()) return {.complete = true};
   check_drop_times(times);
-  Scene drop_scene = scene;
-  drop_scene.t_end = times.back();
+  TwoLinkLanding drop(scene, sea, motion);
+  drop.scene.t_end = times.back();
   SimulateOptions drop_options = options;
   drop_options.rest = SimulateOptions::Rest::kIgnore;
-  return with_terms(sea,
-                    [&]<LandingTerms kTerms>() { return roll<kTerms>(drop_scene, sea, motion, times, drop_options); });
+  return in_kernel<kPlainPair, kPair, kLateLeg>(
+      drop.scene.robot, [&]<Capacity kSize>() { return roll<kSize>(drop, times, drop_options); });
 }
 
 }  // namespace ukemi::landing

@@ -1,6 +1,7 @@
 #include "landing/judge/checked.hpp"
 
-#include "common/drive_stability.hpp"
+#include "landing/body/body_stability.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/judge/under_scatter.hpp"
 
 namespace ukemi::landing {
@@ -11,13 +12,10 @@ Ratings ratings(const Scene& scene, const Actuator& actuator, const Motion& moti
 }
 
 std::optional<Instability> instability(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
-  const TwoLinkDynamics<double> links(scene.robot);
-  std::optional<Instability> worst;
-  const SeaParameters<double> landing = with_landing_gains(sea, motion);
-  for (const auto& [phi, drive] : {std::pair{motion.phi_i, &sea}, {motion.phi_f, &landing}})
-    if (const double rate = growth_rate(*drive, joint_inertia(links, phi)); rate > (worst ? worst->rate : 0))
-      worst = {phi, rate};
-  return worst;
+  const TwoLinkLanding links(scene, sea, motion);
+  const std::optional<BodyInstability> found = instability(links.scene, links.motion);
+  if (!found) return std::nullopt;
+  return Instability{found->landing ? motion.phi_f : motion.phi_i, found->rate};
 }
 
 CheckedLanding checked_landing(const Scene& scene, const Actuator& actuator, const Motion& motion,

@@ -2,14 +2,18 @@
 
 #include <algorithm>
 #include <atomic>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/parallel.hpp"
 #include "common/sea.hpp"
-#include "landing/lanes/batch_entry.hpp"
+#include "landing/body/by_links.hpp"
+#include "landing/lanes/batch_source.hpp"
+#include "landing/lanes/body_batch.hpp"
 
 namespace ukemi::landing {
 
@@ -34,15 +38,46 @@ InstructionSet fastest_instruction_set(std::size_t landings) {
                                   : widest_instruction_set();
 }
 
-void run_batch(BatchSource& source, const BatchOptions& options, InstructionSet set) {
-  switch (std::min(set, widest_instruction_set())) {
-    case InstructionSet::kAvx512:
-      return run_lanes<8>(source, options);
-    case InstructionSet::kAvx2:
-      return run_lanes<4>(source, options);
-    case InstructionSet::kBaseline:
-      return run_lanes<2>(source, options);
+namespace {
+
+/// Supplies landings of the paper's robot as landings of a robot of links.
+class AsLinks : public BodyBatchSource {
+ public:
+  AsLinks(BatchSource& source, const Limits& limits) : source_(source), limits_(limits) {}
+  bool next(int lane, BodyBatchCase& c) override {
+    BatchCase next;
+    if (!source_.next(lane, next)) return false;
+    TwoLinkLanding& landing = reused_landing(lane);
+    if (std::exchange(scene_[std::size_t(lane)], next.scene) != next.scene) {
+      landing.set_scene(*next.scene);
+      landing.set_limits(limits_);
+    }
+    landing.set_drive(*next.sea, next.motion);
+    c = {&landing.scene, &landing.motion, next.abandon_above};
+    return true;
   }
+  void done(int lane, const BodyLanding& landing) override {
+    source_.done(lane, reused_landing(lane).outcome(landing));
+  }
+  bool over() override { return source_.over(); }
+
+ private:
+  BatchSource& source_;
+  const Limits& limits_;
+  std::array<const Scene*, kMaxLanes> scene_{};  ///< of the lane's last landing
+};
+
+}  // namespace
+
+void run_batch(BatchSource& source, const SeaParameters<double>& drive, const BatchOptions& options,
+               InstructionSet set) {
+  AsLinks links(source, options.limits);
+  Robot& robot = reused_landing(kMaxLanes).scene.robot;
+  robot.joints[0].sea = drive;
+  const bool fails = options.on_max_steps == BatchOptions::OnMaxSteps::kFail;
+  run_body_batch(links, robot,
+                 {.accuracy = options.accuracy, .max_steps = fails ? options.max_steps : SimulateOptions{}.max_steps},
+                 set);
 }
 
 void BatchOptions::validate() const {
@@ -65,6 +100,30 @@ void validate_all(std::span<const BatchCase> cases) {
   }
 }
 
+/// What the landings in lanes must have in common: the terms of their drives, and which points may touch.
+int structure_of(const BatchCase& c) {
+  const SeaParameters<double>& sea = *c.sea;
+  int out = 0;
+  for (const bool term :
+       std::initializer_list<bool>{bool(is_late(sea)), is_extended(sea), sea.output_friction != 0,
+                                   sea.friction != 0 || sea.spring_loss != 0, sea.feedback == Feedback::kMotor,
+                                   c.scene->contacts[kHip], c.scene->contacts[kKnee], c.scene->contacts[kFoot]})
+    out = 2 * out + term;
+  return out;
+}
+
+/// The peaks of cases of one structure.
+void peaks_of_alike(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
+                    int threads, InstructionSet set) {
+  constexpr std::size_t kMinPerThread = 24;  // fewer landings are not worth a thread
+  const int workers = std::min(thread_count(threads), int((cases.size() + kMinPerThread - 1) / kMinPerThread));
+  std::atomic<std::size_t> next{0};
+  parallel_for(workers, workers, [&](int) {
+    CaseQueue<BatchCase, LandingPeak> queue(cases, peaks, next, options.over);
+    run_batch(queue, *cases[0].sea, options, set);
+  });
+}
+
 }  // namespace
 
 void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks, const BatchOptions& options,
@@ -73,24 +132,22 @@ void batch_peaks(std::span<const BatchCase> cases, std::span<LandingPeak> peaks,
   if (peaks.size() != cases.size())
     throw InputError("batch: " + std::to_string(peaks.size()) + " peaks: " + std::to_string(cases.size()) +
                      " are needed, one for each case");
-  BatchOptions batch_options = options;
-  std::size_t motor_side = 0;
-  for (const BatchCase& c : cases) {
-    batch_options.extended = batch_options.extended || is_extended(*c.sea),
-    batch_options.late = batch_options.late || is_late(*c.sea);
-    motor_side += c.sea->feedback == Feedback::kMotor;
-  }
-  batch_options.feedback = 2 * motor_side > cases.size() ? Feedback::kMotor : Feedback::kOutput;
-  constexpr std::size_t kMinPerThread = 24;  // fewer landings are not worth a thread
-  const int workers = std::min(thread_count(threads), int((cases.size() + kMinPerThread - 1) / kMinPerThread));
   LandingPeak stopped;
   stopped.end = End::kStopped;
   std::fill(peaks.begin(), peaks.end(), stopped);
-  std::atomic<std::size_t> next{0};
-  parallel_for(workers, workers, [&](int) {
-    CaseQueue<BatchCase, LandingPeak> queue(cases, peaks, next, options.over);
-    run_batch(queue, batch_options, set);
-  });
+  if (cases.empty()) return;
+  if (std::all_of(cases.begin(), cases.end(),
+                  [of_all = structure_of(cases[0])](const BatchCase& c) { return structure_of(c) == of_all; }))
+    return peaks_of_alike(cases, peaks, options, threads, set);
+  std::map<int, std::vector<std::size_t>> groups;  // so that no result depends on other cases
+  for (std::size_t i = 0; i < cases.size(); ++i) groups[structure_of(cases[i])].push_back(i);
+  for (const auto& [structure, group] : groups) {
+    std::vector<BatchCase> alike;
+    for (const std::size_t i : group) alike.push_back(cases[i]);
+    std::vector<LandingPeak> found(group.size(), stopped);
+    peaks_of_alike(alike, found, options, threads, set);
+    for (std::size_t k = 0; k < group.size(); ++k) peaks[group[k]] = found[k];
+  }
 }
 
 }  // namespace ukemi::landing

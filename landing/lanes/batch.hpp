@@ -1,8 +1,8 @@
 // Many landings at once: one in each lane of the machine's SIMD registers.
 //
 // Every lane has its own motion, drop, floor and actuator, its own step size, events, rest test and peak; a lane that
-// finishes takes the next landing at once. The equations are those of the scalar path (landing_system.hpp, rest.hpp),
-// with Pack as their scalar. Which instruction set runs is chosen when the program runs.
+// finishes takes the next landing at once. The equations are those of the scalar path, with Pack as their scalar. Which
+// instruction set runs is chosen when the program runs.
 #pragma once
 
 #include <span>
@@ -22,11 +22,6 @@ struct BatchCase {
 struct BatchOptions {
   double accuracy = 1e-5;  ///< relative tolerance of each step, 1e-14..1e-2: the method is of order 5
   Limits limits;           ///< see SimulateOptions
-  /// An actuator has friction or other terms of is_extended; if false, such landings run in the scalar path. Output
-  /// friction that falls with speed always does.
-  bool extended = false;
-  bool late = false;                      ///< an actuator's drive is late; if false, such landings run scalar
-  Feedback feedback = Feedback::kOutput;  ///< of the lanes; landings with another run scalar
   enum class OnMaxSteps { kScalar, kFail } on_max_steps = OnMaxSteps::kScalar;  ///< for a landing beyond max_steps
   long max_steps = 20'000;                      ///< steps of a lane; the scalar path has 200,000, and may go implicit
   const std::function<bool()>* over = nullptr;  ///< of batch_peaks: see SimulateOptions

@@ -18,11 +18,11 @@ namespace {
 void run_scalar(BodyBatchSource& source, const BodyBatchOptions& options) {
   const std::function<bool()> over = [&] { return source.over(); };
   for (BodyBatchCase c; !source.over() && source.next(0, c);) {
-    const BodyLanding l = peak_acceleration(*c.scene, *c.motion,
-                                            {.accuracy = options.accuracy,
-                                             .abandon_above = c.abandon_above,
-                                             .max_steps = options.max_steps,
-                                             .over = &over});
+    const BodyLanding l = peak_of_valid(*c.scene, *c.motion,
+                                        {.accuracy = options.accuracy,
+                                         .abandon_above = c.abandon_above,
+                                         .max_steps = options.max_steps,
+                                         .over = &over});
     if (l.end == End::kStopped) return;
     source.done(0, l);
   }
@@ -37,12 +37,12 @@ void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatch
       robot, [&]<Capacity kSize>() {
         switch (std::min(set, widest_instruction_set())) {
           case InstructionSet::kAvx512:  // others gain less than a tenth by it, and take long to compile
-            if constexpr (kSize.straight()) return run_body_lanes<kSize, 8>(source, options);
+            if constexpr (kSize.straight()) return run_body_lanes<kSize, 8>(source, robot, options);
             [[fallthrough]];
           case InstructionSet::kAvx2:
-            return run_body_lanes<kSize, 4>(source, options);
+            return run_body_lanes<kSize, 4>(source, robot, options);
           case InstructionSet::kBaseline:
-            return run_body_lanes<kSize, 2>(source, options);
+            return run_body_lanes<kSize, 2>(source, robot, options);
         }
       });
 }

@@ -23,9 +23,10 @@ struct BodyBatchOptions {
   const std::function<bool()>* over = nullptr;  ///< see SimulateOptions
 };
 
-/// Runs until no lane has work or the source is over. The robots must differ only in numbers: those with another tree
-/// than the first, other loads, Hunt and Crossley's law, a softening spring, drive friction that needs fine steps, or
-/// beyond the largest kernel run in the scalar path. The cases must be valid, and the machine must have `set`.
+/// Runs until no lane has work or the source is over. The robots must differ from `robot` only in numbers: those with
+/// another tree or other terms, other loads, Hunt and Crossley's law, a softening spring, drive friction that needs
+/// fine steps, or beyond the largest kernel run in the scalar path. The cases must be valid, and the machine must have
+/// `set`.
 void run_body_batch(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options,
                     InstructionSet set = widest_instruction_set());
 

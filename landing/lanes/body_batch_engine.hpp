@@ -18,7 +18,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   using Course = BodyCourse<kSize, false>;  ///< of one lane, in doubles
   using Engine = Lockstep<BodyBatchEngine, System, W>;
   friend Engine;
-  static constexpr bool kMayHaveFriction = true;  ///< dry friction is possible
+  static constexpr bool kMayHaveFriction = !System::kPlainDrives;  ///< dry friction is possible
   using Engine::abandon_square_, Engine::active_, Engine::stale_, Engine::kStates;
   using Engine::system_, Engine::step_, Engine::h_next_, Engine::stop_, Engine::peak_, Engine::steps_,
       Engine::accepted_, Engine::shift_;
@@ -27,8 +27,10 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   using Values = typename Course::State;
 
  public:
-  BodyBatchEngine(BodyBatchSource& source, const BodyBatchOptions& options)
-      : Engine(System(), options.accuracy, options.max_steps), source_(source), options_(options) {}
+  BodyBatchEngine(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options)
+      : Engine(System(), options.accuracy, options.max_steps), source_(source), options_(options) {
+    system_.copy_structure(typename Course::System(robot, 0));
+  }
   void run() { this->run_all(source_); }
 
  private:
@@ -43,8 +45,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
         continue;
       }
       Course& course = course_[i].emplace(*c.scene, *c.motion);
-      Values y = course.released();
-      if (system_.links == 0) system_.copy_structure(course.system);
+      const Values y = course.released();
       system_.shaped = system_.shaped || course.system.shaped;
       const std::vector<LaneLoad> loads = loads_of_lanes(*c.scene);
       if (!any(active_)) loads_ = loads;
@@ -55,10 +56,11 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       }
       out_[i] = {};
       System::for_each(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
-      const double fallen = course.fall(y);
-      this->begin(i, fallen, y, 1e-4, 0, [&](int k) { return course.system.tolerance_unit(k); });
+      const typename Course::Fall fall = course.fall(y);
+      this->begin(i, fall.until, fall.at(fall.until), fall.first_step(), 0,
+                  [&](int k) { return course.system.tolerance_unit(k); });
       joint_lost_.set(i, false);
-      last_rest_test_[i] = 0, rest_energy_[i] = {course.system, options_.accuracy};
+      rest_test_[i].restart(), rest_energy_[i] = {course.system, options_.accuracy};
       per_square_.set(i, rest_energy_[i].per_square), unresolved_.set(i, rest_energy_[i].unresolved);
       const double abandon = c.abandon_above * peak_rating(*c.scene);
       abandon_square_.set(i, abandon * abandon);
@@ -79,11 +81,11 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   /// Runs the lane's landing in the scalar path.
   void hand_over(int i) {
     const BodyBatchCase& c = case_[i];
-    const BodyLanding l = peak_acceleration(*c.scene, *c.motion,
-                                            {.accuracy = options_.accuracy,
-                                             .abandon_above = c.abandon_above,
-                                             .max_steps = options_.max_steps,
-                                             .over = &over_});
+    const BodyLanding l = peak_of_valid(*c.scene, *c.motion,
+                                        {.accuracy = options_.accuracy,
+                                         .abandon_above = c.abandon_above,
+                                         .max_steps = options_.max_steps,
+                                         .over = &over_});
     if (l.end != End::kStopped) source_.done(i, l);
   }
 
@@ -116,7 +118,6 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     System::for_each_scheduled(system_, course.system, [i](T& lanes, double x) { lanes.set(i, x); });
     stop_.set(i, course.stop()), longest_.set(i, course.longest_step());
     h_next_.set(i, std::min(h_next_[i], course.longest_step()));
-    stale_.set(i, true);
   }
 
   /// Changes the mode at guard g; false if the landing ends there.
@@ -131,7 +132,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
       lifted(i, g / System::kGuardsPerContact);
     if (crossing.lands) land(i);
     settle(i, y);
-    sync_lane(i);
+    sync_lane(i), stale_.set(i, true);
     return !(out_[i].broken && case_[i].scene->ends_broken);
   }
 
@@ -149,7 +150,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
     if (t + kRounding >= course.limit()) return course.touched() ? End::kTimeLimit : End::kNoContact;
     if (course.lands_at(t)) {
       Values y = values(i);
-      land(i), settle(i, y);
+      land(i), settle(i, y), stale_.set(i, true);  // at other deadlines the field does not jump
     }
     if (out_[i].broken && case_[i].scene->ends_broken) return End::kBroken;
     course.advance(t);
@@ -326,23 +327,19 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   UKEMI_INLINE M resting(const M& no_event) {
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
-    constexpr long kRestTestInterval =
-        8;  // steps of a lane between rest tests, each as expensive as a step of all lanes
     const T energy = kinetic_energy(system_.body, p);
     M out = no_event & ((energy <= per_square_ * peak_.square) | (energy <= unresolved_));
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
       if (out[i]) {
-        const bool due = steps_[i] >= last_rest_test_[i] + kRestTestInterval;
-        if (due) last_rest_test_[i] = steps_[i];
-        out.set(i, due && rests(i));
+        out.set(i, rest_test_[i].due(steps_[i]) && rests(i));
       }
     return out;
   }
-  [[gnu::noinline]] bool rests(int i) const {
+  [[gnu::noinline]] bool rests(int i) {
     const Course& course = *course_[i];
     return course.touched() && !course.detecting() &&
-           at_rest(course.system, step_.t[i], values(i), rest_energy_[i](rest_square(i)));
+           rest_test_[i](steps_[i], course.system, step_.t[i], values(i), rest_energy_[i](rest_square(i)));
   }
 
   BodyBatchSource& source_;
@@ -351,7 +348,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   M joint_lost_;
   T longest_{0.0}, per_square_{0.0}, unresolved_{0.0};
   std::array<RestEnergy, W> rest_energy_{};
-  std::array<double, W> last_rest_test_{};  ///< steps at the last rest test
+  std::array<RestTest, W> rest_test_{};
   std::array<std::optional<Course>, W> course_{};
   std::array<BodyBatchCase, W> case_{};
   std::array<BodyLanding, W> out_{};

@@ -1,4 +1,4 @@
-// The constants of the paper's robot and of its floor. Their equations: two_link.hpp, floor.hpp.
+// The constants of the paper's robot and of its floor (Sec. 2.1, 2.4 of [1]). Their equations: landing/body.
 #pragma once
 
 #include <array>
@@ -24,9 +24,6 @@ struct TwoLink {
     return {{U(mass[0]), U(mass[1])}, {U(inertia_com[0]), U(inertia_com[1])}, U(link_length), U(gravity)};
   }
 };
-
-/// Components of the state, see two_link.hpp.
-enum Component { kX, kY, kTheta0, kTheta1, kPhiM, kVx, kVy, kOmega0, kOmega1, kOmegaM, kMechanical };
 
 /// Constants of the floor.
 template <class T>

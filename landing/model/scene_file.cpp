@@ -10,6 +10,7 @@
 #include "common/degrees.hpp"
 #include "common/toml.hpp"
 #include "common/uncertainty_file.hpp"
+#include "landing/model/motion.hpp"
 #include "landing/model/motion_csv.hpp"
 #include "landing/model/release.hpp"
 #include "landing/model/scatter_file.hpp"

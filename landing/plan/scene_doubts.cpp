@@ -5,8 +5,8 @@
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
 #include "common/degrees_doubt.hpp"
+#include "landing/body/body_posture.hpp"
 #include "landing/body/places.hpp"
-#include "landing/plan/body_posture.hpp"
 #include "landing/plan/body_space.hpp"
 
 namespace ukemi::landing {

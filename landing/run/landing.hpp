@@ -14,8 +14,6 @@
 #include "landing/model/scene.hpp"
 
 namespace ukemi {
-template <class T>
-struct SeaState;
 namespace integrate {
 enum class Method;
 }
@@ -25,7 +23,7 @@ namespace ukemi::landing {
 
 /// Why a run ended.
 enum class End {
-  kRest,       ///< at rest (landing/run/rest.hpp): no later peak can exceed the running one
+  kRest,       ///< at rest (landing/body/body_rest.hpp): no later peak can exceed the running one
   kTimeLimit,  ///< at t_end
   kNoContact,  ///< at t_end, and no point has touched the floor: `peak` is that of a flight
   kAbandoned,  ///< the running peak passed SimulateOptions::abandon_above: `peak` is a lower bound
@@ -67,21 +65,9 @@ struct Limits {
   bool any_forbidden() const { return forbidden[kHip] || forbidden[kKnee] || forbidden[kFoot]; }
   bool joint_stops() const { return std::isfinite(joint[0]) || std::isfinite(joint[1]); }
   bool rated() const { return std::isfinite(motor_speed) || std::isfinite(motor_torque); }
-  bool any() const { return any_forbidden() || within_steps() || std::isfinite(reference_rate); }
-  /// Whether states must be checked in every step.
+  /// Whether states break them, not only a touch or the reference.
   bool within_steps() const { return rated() || joint_stops(); }
-  /// Whether a landing motion that starts `start` after release breaks them [s].
-  bool broken_by(const Motion& m, double start) const {
-    return m.reposition && start < m.reposition->to && std::isfinite(reference_rate) &&
-           peak_reference_rate(m, start) > reference_rate;
-  }
-  /// Whether a state with the motor torque `torque` [Nm] breaks them; by lane for packs.
-  template <class T>
-  auto broken_by(const SeaState<T>& s, const T& torque) const {
-    using std::abs;
-    return (s.phi < T(joint[0])) | (s.phi > T(joint[1])) | (abs(s.dphi_m) > T(motor_speed)) |
-           (abs(torque) > T(motor_torque));
-  }
+  bool any() const { return any_forbidden() || within_steps() || std::isfinite(reference_rate); }
 };
 
 struct SimulateOptions {
@@ -92,7 +78,7 @@ struct SimulateOptions {
   long max_steps = 200'000;                     ///< maximum steps and events of a run
   double max_step = 0.1;                        ///< maximum step; the step of a fixed-step method [s], > 0
   Limits limits;
-  integrate::Method method{};                   ///< auto; others for comparison, see follow_with_method
+  integrate::Method method{};                   ///< auto; others for comparison, for robots of two links
   std::vector<double>* touchdowns = nullptr;    ///< if set, receives the times of touchdowns, from release [s]
   const std::function<bool()>* over = nullptr;  ///< if set, polled every few dozen steps: true ends the run
   enum class Rest { kStop, kIgnore } rest = Rest::kStop;  ///< kIgnore: no rest test, run to t_end
@@ -121,6 +107,15 @@ class ContactOrder {
   int first_point() const { return size_ > 0 ? point_[0] : -1; }
   /// Whether a point touched at all, chatter and touchdowns beyond kCapacity included.
   bool touched(int p) const { return (touched_ >> p & 1) != 0; }
+  /// Numbers each point p as to(p).
+  template <class To>
+  void renumber(To&& to) {
+    for (int i = 0; i < size_; ++i) point_[std::size_t(i)] = std::int8_t(to(point_[std::size_t(i)]));
+    std::uint32_t touched = 0;
+    for (int p = 0; p < kMaxPoints; ++p)
+      if (this->touched(p)) touched |= 1u << to(p);
+    touched_ = touched;
+  }
 
  private:
   std::array<std::int8_t, kCapacity> point_{};
@@ -146,10 +141,8 @@ struct RunEnd {
 /// Why a landing failed, in words.
 const char* reason(const RunEnd& run);
 
-/// The result of a landing for a search; without allocation.
-struct LandingPeak : RunEnd {
-  std::array<double, kMechanical> state{};  ///< at the end, see landing::Component
-};
+/// The result of a landing of the paper's robot; contacts are numbered as Point.
+using LandingPeak = RunEnd;
 
 /// One touch of a point, from touchdown to lift-off.
 struct Touch {
@@ -206,7 +199,7 @@ void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion
 [[nodiscard]] double first_touchdown(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion);
 
 /// The run of `peak_acceleration` with touches, peaks, demands, the energy check and, with rate > 0 [Hz], a trajectory:
-/// a row every 1/rate s from release, 2e7 at most, and two at each event, its left and right limits. A run whose energy
+/// a row every 1/rate s from release, 2e6 at most, and two at each event, its left and right limits. A run whose energy
 /// balance does not close has failed.
 [[nodiscard]] Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                const SimulateOptions& options = {}, double rate = 0);

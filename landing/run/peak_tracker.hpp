@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include "landing/model/landing_system.hpp"
-
 namespace ukemi::landing {
 
 /// The largest |ddr_0|^2 of the steps so far, and its time.

@@ -3,7 +3,6 @@
 #include "common/checks.hpp"
 #include "common/csv.hpp"
 #include "common/error.hpp"
-#include "landing/run/kernels.hpp"
 
 namespace ukemi::landing {
 
@@ -67,19 +66,6 @@ void SimulateOptions::validate() const {
 
 void validate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion) {
   scene.validate(), validate(sea), validate(motion);
-}
-
-Landing simulate(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                 const SimulateOptions& options, double rate) {
-  validate(scene, sea, motion), options.validate();
-  constexpr double kMostRows = 2e7;
-  if (!(rate >= 0 && rate * flight_limit(scene, motion) <= kMostRows))
-    throw InputError("rate: " + shortest(rate) + " Hz: at least 0 is needed, and no more than 2e7 rows");
-  Landing out;
-  dispatch<true>(scene, sea, motion, options, out, &out, rate);
-  if (out.end != End::kFailed && !(out.energy_residual <= energy_tolerance(options.accuracy)))
-    out.end = End::kFailed, out.failure = Failure::kUnbalanced;
-  return out;
 }
 
 }  // namespace ukemi::landing

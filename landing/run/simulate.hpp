@@ -1,4 +1,4 @@
-// The accuracy of a landing's steps, and a landing with a given integrator.
+// The accuracy of a landing's steps.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,6 @@
 #include "common/integrate/hybrid.hpp"
 #include "common/integrate/method.hpp"
 #include "landing/model/motion.hpp"
-#include "landing/model/two_link.hpp"
 #include "landing/run/landing.hpp"
 
 namespace ukemi::landing {
@@ -27,9 +26,5 @@ inline double step_accuracy(double requested, const SeaParameters<double>& sea) 
   constexpr double kFine = 1e-7;
   return needs_fine_steps(sea) ? std::min(requested, kFine) : requested;
 }
-
-/// `peak_acceleration` with a single method, to compare integrators; one kernel for every scene.
-void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                        const SimulateOptions& options, LandingPeak& out);
 
 }  // namespace ukemi::landing

@@ -1,6 +1,7 @@
 // Records the touches of a landing of any robot, and the peaks between them.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -12,9 +13,10 @@ namespace ukemi::landing {
 
 class TouchLog {
  public:
-  /// Writes into `touches` and `peaks`; `points`: number of contact points.
-  TouchLog(std::vector<Touch>& touches, std::vector<Peak>& peaks, std::size_t points)
-      : touches_(touches), peaks_(peaks), current_touch_(points, -1) {}
+  /// Writes into `touches` and `peaks`.
+  TouchLog(std::vector<Touch>& touches, std::vector<Peak>& peaks) : touches_(touches), peaks_(peaks) {
+    current_touch_.fill(-1);
+  }
 
   PeakTracker since;  ///< peak since the last touchdown
 
@@ -58,7 +60,7 @@ class TouchLog {
 
   std::vector<Touch>& touches_;
   std::vector<Peak>& peaks_;
-  std::vector<int> current_touch_;  ///< index of each point's current touch; -1: none
+  std::array<int, ContactOrder::kMaxPoints> current_touch_;  ///< index of each point's current touch; -1: none
   Peak interval_{0, 0, -1};
 };
 

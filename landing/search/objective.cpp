@@ -25,7 +25,7 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
       space_(space),
       options_(options) {
   const DrivenMotion middle = space.play(space.values(space.centre()));
-  extended_ = is_extended(middle.sea), late_ = is_late(middle.sea), feedback_ = middle.sea.feedback;
+  drive_ = middle.sea;
   if (scene.joint) options_.limits.joint = *scene.joint;
   const Limits& limits = options_.limits;
   limited_ = limits.any_forbidden() || limits.within_steps() || (limits.any() && middle.motion.reposition);
@@ -163,16 +163,13 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   const BatchOptions batch{
       .accuracy = options_.accuracy,
       .limits = options_.limits,
-      .extended = extended_,
-      .late = late_,
-      .feedback = feedback_,
       .on_max_steps = unlimited_steps_ ? BatchOptions::OnMaxSteps::kScalar : BatchOptions::OnMaxSteps::kFail,
       .max_steps = unlimited_steps_ ? BatchOptions().max_steps : max_steps_};
   parallel_for(parts, options_.threads, [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
     Race race(*this, points.subspan(a, b - a), goal, max_work);
-    run_batch(race, batch, fastest_instruction_set((b - a) * std::size_t(landings_per_motion(goal))));
+    run_batch(race, drive_, batch, fastest_instruction_set((b - a) * std::size_t(landings_per_motion(goal))));
     race.close();
     landings += race.landings, flights += race.flights, work += race.work;
   });

@@ -136,9 +136,8 @@ class Objective {
   void evaluate_boxes(std::span<Candidate> points, Goal goal);
   void update_order(std::span<const Candidate> points, Goal goal);
   void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
-  bool limited_;  ///< a landing may break a limit
-  bool extended_, late_;
-  Feedback feedback_;
+  bool limited_;                  ///< a landing may break a limit
+  SeaParameters<double> drive_;   ///< with every term of the actuators played
   bool unlimited_steps_ = false;  ///< of a landing
   long max_steps_ = 0;
   std::array<int, kExecutionPoints> order_;  ///< in which an execution box is played, the most frequent failures first

@@ -10,7 +10,7 @@
 #include "common/actuator.hpp"
 #include "common/random.hpp"
 #include "common/stopwatch.hpp"
-#include "landing/body/robot_file.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/lanes/body_batch.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_space.hpp"
@@ -25,9 +25,10 @@ constexpr int kLandings = 1500, kPasses = 3;
 /// The paper's shank with so many further ones below, each with a contact at its end.
 BodyScene chain(const Scene& paper, const Actuator& actuator, int links) {
   BodyScene out;
-  out.robot = by_links({paper.robot, paper.contacts}, {.stiffness = paper.floor->stiffness,
-                                                       .damping_normal = paper.floor->damping_normal,
-                                                       .damping_tangential = paper.floor->damping_tangential});
+  out.robot = by_links(paper.robot, paper.contacts,
+                       {.stiffness = paper.floor->stiffness,
+                        .damping_normal = paper.floor->damping_normal,
+                        .damping_tangential = paper.floor->damping_tangential});
   Robot& robot = out.robot;
   robot.joints[0].sea = actuator.sea;
   for (int i = 2; i < links; ++i) {

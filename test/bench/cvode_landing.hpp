@@ -77,7 +77,7 @@ class CvodeLanding {
   }
 
  private:
-  static constexpr int kSize = landing::kMechanical;
+  static constexpr int kSize = System::kStates;
   static_assert(kSize == kVectorSize);
 
   SUNContext context_ = nullptr;
@@ -97,12 +97,13 @@ class CvodeLanding {
   static int field(double t, N_Vector y, N_Vector dy, void* data) {
     auto& self = *static_cast<CvodeLanding*>(data);
     ++self.calls_;
-    values(dy) = self.system_->derivative(t, values(y));
+    values(dy) = self.system_->derivative(t, State(values(y)));
     return 0;
   }
   static int guard_values(double t, N_Vector y, double* out, void* data) {
     Guards g;
-    static_cast<CvodeLanding*>(data)->system_->guards(t, values(y), State::Zero(), g);  // only the values are used
+    static_cast<CvodeLanding*>(data)->system_->guards(t, State(values(y)), State(State::Zero()),
+                                                      g);  // only the values are used
     std::copy(g.value.begin(), g.value.end(), out);
     return 0;
   }

@@ -38,10 +38,12 @@ Result ours(const Case& c, double accuracy) {
   const landing::LandingPeak p = landing::peak_acceleration(c.scene, c.sea, c.motion, options(accuracy));
   Result r;
   r.peak = p.peak, r.derivatives = p.work.derivatives, r.events = p.work.events;
-  r.place = place_of(System(c.scene, c.sea, c.motion),
-                     Eigen::Map<const Eigen::Matrix<double, landing::kMechanical, 1>>(p.state.data()));
   r.failed = p.end != landing::End::kTimeLimit;
-  for (const landing::Touch& t : landing::simulate(c.scene, c.sea, c.motion, options(accuracy)).touches)
+  constexpr double kWithin = 1 - 1e-12;  // the second row is at the end, not beyond it by rounding
+  const landing::Landing l = landing::simulate(c.scene, c.sea, c.motion, options(accuracy), 1 / (kWithin * p.t_end));
+  const landing::Sample& end = l.trajectory.back();
+  r.place = {end.x0, end.y0, end.phi0, end.phi1, end.phi_m};
+  for (const landing::Touch& t : l.touches)
     if (r.touched < int(r.touchdowns.size())) r.touchdowns[r.touched++] = "HKF"[t.point];
   return r;
 }

@@ -27,7 +27,7 @@ class OdeintLanding {
   }
 
  private:
-  using Vector = std::array<double, landing::kMechanical>;
+  using Vector = std::array<double, System::kStates>;
 
   static State state(const Vector& x) { return Eigen::Map<const State>(x.data()); }
   static Vector vector(const State& y) {

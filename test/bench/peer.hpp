@@ -1,6 +1,6 @@
 // What a landing needs beside an integrator, for the peers: its start, its modes, where a guard falls through zero
 // inside a step, and where |ddr_0| is largest. Written apart from landing/run/simulate.cpp, so that the two check each
-// other; only the equations of landing/model/landing_system.hpp are shared.
+// other; only the equations of landing/body/body_system.hpp are shared.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,14 @@
 #include <limits>
 #include <string>
 
-#include "landing/model/landing_system.hpp"
+#include "landing/body/body_system.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/run/peak_tracker.hpp"
 #include "tools/bench/reference.hpp"
 
 namespace ukemi::bench {
 
-using System = landing::LandingSystem<SeaTerms{true, false}, false>;
+using System = landing::BodySystem<landing::kPlainPair, false>;
 using State = System::State;
 using Guards = integrate::Guards<System::kGuards>;
 
@@ -25,8 +26,8 @@ using Case = landing::ReferenceCase;
 using Place = std::array<double, 5>;
 inline Place place_of(const System& system, const State& y) {
   using namespace landing;
-  const Vec2<double> r = thigh_position(system.link, system.pose(y));
-  return {r.x(), r.y(), y[kTheta0], y[kTheta1] - y[kTheta0], y[kPhiM]};
+  const Vec2<double> r = position(system.body.peak, system.pose(y), system.body.bodies);
+  return {r.x(), r.y(), y[System::kTheta], y[System::kTheta + 1] - y[System::kTheta], y[System::kPhiM]};
 }
 
 /// What a peer returns of a landing.
@@ -50,19 +51,25 @@ inline constexpr long kMaxEvents = 1000;  ///< a landing has tens; a run that is
 /// A landing from its first touchdown on, as far as no integrator is concerned.
 class Course {
  public:
-  explicit Course(const Case& c) : motion(c.motion), system(c.scene, c.sea, c.motion), limit_(*c.scene.t_end) {
+  explicit Course(const Case& c)
+      : motion(c.motion),
+        system(landing::TwoLinkLanding(c.scene, c.sea, c.motion).scene.robot, 0),
+        limit_(*c.scene.t_end) {
     using namespace landing;
     const Drop& drop = c.scene.drop;
+    system.piece[0] = constant_reference(c.motion.phi_i);
     y.setZero();
-    y[kTheta0] = drop.pitch, y[kTheta1] = drop.pitch + c.motion.phi_i, y[kPhiM] = c.motion.phi_i;
-    const Pose<double> p = system.pose(y);
+    y[System::kTheta] = drop.pitch, y[System::kTheta + 1] = drop.pitch + c.motion.phi_i;
+    y[System::kPhiM] = c.motion.phi_i;
+    const System::Pose p = system.pose(y);
     double lowest = std::numeric_limits<double>::infinity();
-    for (int j = 0; j < kPoints; ++j) lowest = std::min(lowest, height(system.link, p, j));
+    for (int j = 0; j < kPoints; ++j) lowest = std::min(lowest, system.point_at(j, p).y);
     // In flight nothing moves relative to anything else, so the fall is a parabola and its acceleration is g.
-    const double g = system.link.gravity;
+    const double g = c.scene.robot.gravity;
     t = std::sqrt(2 * drop.height / g);
-    y[kX] = system.link.k1 * system.link.a * (p.s0 + p.s1) + drop.forward_speed * t, y[kY] = -lowest;
-    y[kVx] = drop.forward_speed, y[kVy] = -g * t;
+    y[System::kX] = -position(system.body.peak, p, system.body.bodies).x() + drop.forward_speed * t;
+    y[System::kY] = -lowest;
+    y[System::kVx] = drop.forward_speed, y[System::kVy] = -g * t;
     peak.consider(g * g, 0);
   }
 
@@ -79,7 +86,7 @@ class Course {
   /// The stop time is reached: the end of the motion, or true at the end of the run.
   bool ended() {
     if (t >= motion_end_ - kSameInstant) {
-      system.phase = landing::Phase::kAfter;
+      system.joint[0].phase = landing::Phase::kAfter;
       motion_end_ = std::numeric_limits<double>::infinity();
     }
     return t >= limit_ - kSameInstant;
@@ -120,17 +127,15 @@ class Course {
   }
   void cross(int guard) {
     ++result.events;
-    if (guard < landing::kPoints && system.contact[guard] == landing::Contact::kClear) {
-      if (result.touched == 0) {
-        const bool moves = landing::moves(motion);
-        system.change(landing::ReferenceChange::kLand, motion, t);
-        system.phase = moves ? landing::Phase::kMoving : landing::Phase::kAfter;
-        if (moves) motion_end_ = t + motion.duration;
-      }
-      if (result.touched < int(result.touchdowns.size())) result.touchdowns[result.touched] = "HKF"[guard];
-      ++result.touched;
+    const int touched = system.cross(guard, y);
+    if (touched < 0) return;
+    if (result.touched == 0) {
+      system.piece[0] = landing::piece_after(landing::ReferenceChange::kLand, motion, system.piece[0], t);
+      system.joint[0].phase = landing::Phase::kMoving;
+      motion_end_ = t + motion.duration;
     }
-    system.cross(guard);
+    if (result.touched < int(result.touchdowns.size())) result.touchdowns[result.touched] = "HKF"[touched];
+    ++result.touched;
   }
 };
 

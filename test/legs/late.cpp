@@ -33,7 +33,7 @@ const BodyMotion kMoving = {{0.2, 0.9, 0.2}, {-0.5, -1.2, 0.3}};
 
 }  // namespace
 
-TEST_CASE("legs: a drive that is late lands by links as in the kernel of the paper's robot") {
+TEST_CASE("legs: a drive that is late: reports and peaks of the paper's robot, by its scene and by links") {
   const Scene scene = test::paper();
   for (const SeaParameters<double>& sea : {late(1e-3, 0), late(0, 2e-3), late(3e-3, 1e-3, Feedback::kMotor)})
     for (const Motion& m : {Motion{-0.785398, -0.785398, 1}, Motion{-0.3, -1.2, 0.25, {}, 0.6, 1.5}}) {

@@ -3,13 +3,14 @@
 #include <cmath>
 
 #include "common/degrees.hpp"
+#include "common/integrate/hybrid.hpp"
 #include "common/integrate/tableaus.hpp"
 #include "common/random.hpp"
 #include "landing/body/body_run.hpp"
 #include "landing/body/body_system.hpp"
-#include "landing/model/landing_system.hpp"
 #include "test/legs/robots.hpp"
 #include "test/legs/trees.hpp"
+#include "test/property/two_link.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -57,29 +58,40 @@ TEST_CASE("legs: the paper's two links are an instance: accelerations within 1e-
   robot.peak = {0.15, 0};
   System leg(robot, 0);
   leg.piece[0] = constant_reference(-0.8);
-  LandingSystem<kExtendedTerms, false> two(scene, sea, {-0.8, -0.8, 0.3});
+  const test::TwoLinkDynamics<double> two(scene.robot);
   Random r(kSeed, 1);
   for (int n = 0; n < 1000; ++n) {
-    Eigen::Matrix<double, kMechanical, 1> y;
-    for (int i = 0; i < kMechanical; ++i) y[i] = r.uniform(-1, 1) * (i == kPhiM ? 0.1 : 1);
     State x = State::Zero();
-    x[System::kX] = y[kX], x[System::kY] = y[kY], x[System::kVx] = y[kVx], x[System::kVy] = y[kVy];
-    for (int j = 0; j < 2; ++j) x[System::kTheta + j] = y[kTheta0 + j], x[System::kOmega + j] = y[kOmega0 + j];
-    x[System::kPhiM] = y[kPhiM], x[System::kOmegaM] = y[kOmegaM];
+    for (const int k : {int(System::kX), int(System::kY), int(System::kVx), int(System::kVy), int(System::kTheta),
+                        int(System::kTheta) + 1, int(System::kOmega), int(System::kOmega) + 1, int(System::kOmegaM)})
+      x[k] = r.uniform(-1, 1);
+    x[System::kPhiM] = r.uniform(-0.1, 0.1);
+    const double theta0 = x[System::kTheta], theta1 = x[System::kTheta + 1], omega0 = x[System::kOmega],
+                 omega1 = x[System::kOmega + 1];
+    const test::Pose<double> pose{
+        x[System::kX],    x[System::kY],    x[System::kVx],   x[System::kVy], std::sin(theta0),
+        std::cos(theta0), std::sin(theta1), std::cos(theta1), omega0,         omega1};
+    test::Loads<double> load;
     for (int j = 0; j < kPoints; ++j) {
       const bool touching = r.uniform() < 0.5;
-      two.contact[std::size_t(j)] = touching ? Contact::kPressed : Contact::kClear;
       leg.contact[std::size_t(j)] = {.touching = touching, .below = touching, .floor = touching};
+      if (touching)
+        load.add(
+            two, pose, j, -scene.floor->damping_tangential * velocity_x(two, pose, j),
+            -scene.floor->stiffness * height(two, pose, j) - scene.floor->damping_normal * velocity_y(two, pose, j));
     }
-    const auto dy = two.derivative(0, y);
+    const double phi = theta1 - theta0, dphi = omega1 - omega0, phi_m = x[System::kPhiM], dphi_m = x[System::kOmegaM];
+    const double tau = sea.k_sea * (phi_m - phi) + sea.c_sea * (dphi_m - dphi);  // Eq. 2, 4
+    const test::Accelerations<double> acc = solve(two, pose, tau, load);
+    const double motor = (sea.k_p * (-0.8 - phi) - sea.k_d * dphi - tau) / sea.i_motor;  // Eq. 2, 3
     const State dx = leg.derivative(0, x);
     const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * (1 + std::abs(a)); };
-    CHECK(near(dy[kVx], dx[System::kVx]));
-    CHECK(near(dy[kVy], dx[System::kVy]));
-    CHECK(near(dy[kOmega0], dx[System::kOmega]));
-    CHECK(near(dy[kOmega1], dx[System::kOmega + 1]));
-    CHECK(near(dy[kOmegaM], dx[System::kOmegaM]));
-    CHECK(near(two.peak_square(y, dy), leg.peak_square(x, dx)));
+    CHECK(near(acc.x, dx[System::kVx]));
+    CHECK(near(acc.y, dx[System::kVy]));
+    CHECK(near(acc.theta0, dx[System::kOmega]));
+    CHECK(near(acc.theta1, dx[System::kOmega + 1]));
+    CHECK(near(motor, dx[System::kOmegaM]));
+    CHECK(near(thigh_acceleration(two, pose, acc).squaredNorm(), leg.peak_square(x, dx)));
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "common/actuator.hpp"
 #include "common/random.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/body/robot_file.hpp"
 
 namespace legs {
@@ -22,7 +23,8 @@ inline BodyScene long_paper(const Scene& s, const Actuator& a) {
   const ContactLaw law{.stiffness = s.floor->stiffness,
                        .damping_normal = s.floor->damping_normal,
                        .damping_tangential = s.floor->damping_tangential};
-  out.robot = by_links({s.robot, s.contacts}, law);
+  out.robot = by_links(s.robot, s.contacts, law);
+  out.drop_at = out.robot.links[0].com;
   Joint& j = out.robot.joints[0];
   j.sea = a.sea, j.uncertain = a.uncertain, j.covariance = a.covariance;
   out.floor = true, out.drop = s.drop;

@@ -163,7 +163,7 @@ TEST_CASE("sticking: a carriage on its rail stays below the angle of friction, a
   }
 }
 
-TEST_CASE("sticking: the paper's robot by links, by its own equations, and in lanes of both", "[legs]") {
+TEST_CASE("sticking: the paper's robot alone and in lanes, by its scene and by links", "[legs]") {
   Random r(20261129);
   int stuck = 0, off = 0;
   constexpr int kDraws = 60;
@@ -182,7 +182,7 @@ TEST_CASE("sticking: the paper's robot by links, by its own equations, and in la
     CHECK(tree.t_peak == Approx(two.t_peak).epsilon(1e-6));
     LandingPeak lane;
     const BatchCase c{&scene, &sea, motion};
-    batch_peaks({&c, 1}, {&lane, 1}, {.accuracy = 1e-7, .extended = true});
+    batch_peaks({&c, 1}, {&lane, 1}, {.accuracy = 1e-7});
     BodyLanding tree_lane;
     const BodyMotion played{motion};
     const BodyBatchCase b{&by_links, &played};

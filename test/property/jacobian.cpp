@@ -4,7 +4,6 @@
 
 #include "common/random.hpp"
 #include "identify/rig/one_link.hpp"
-#include "landing/model/landing_system.hpp"
 
 using namespace ukemi;
 
@@ -40,44 +39,7 @@ double disagreement(const System& system, double t, const State& y) {
   return std::min(disagreement(system, t, y, 1e-6), disagreement(system, t, y, 1e-5));
 }
 
-template <landing::LandingTerms kTerms, bool kAccounts>
-void check_landing() {
-  using namespace landing;
-  INFO("seed " << kSeed);
-  for (std::uint64_t i = 0; i < 200; ++i) {
-    Random r(kSeed, i);
-    Scene scene;
-    scene.robot = {
-        {r.uniform(0.2, 2), r.uniform(0.2, 2)}, {r.uniform(1e-3, 0.1), r.uniform(1e-3, 0.1)}, r.uniform(0.1, 1), 9.81};
-    scene.contacts = {true, true, true};
-    scene.floor = Floor<double>{r.uniform(1e3, 1e5), r.uniform(0, 200), r.uniform(0, 100)};
-    SeaParameters<double> sea{r.uniform(0, 100), r.uniform(0, 3),      r.uniform(1, 200),
-                              r.uniform(0, 3),   r.uniform(0.01, 0.2), 20};
-    if (kTerms.sea.extended)
-      sea.output_friction = 0.2, sea.breakaway = 0.5, sea.spring_loss = 0.05, sea.output_viscous = 0.1,
-      sea.friction = 0.3, sea.k_sea_cubic = 50, sea.feedback = i % 2 ? Feedback::kMotor : Feedback::kOutput;
-    if (kTerms.sea.late) sea.control_delay = i % 3 ? 2e-3 : 0, sea.velocity_filter = i % 3 ? i % 2 * 3e-3 : 3e-3;
-    const Motion motion{r.uniform(-1.5, 0), r.uniform(-1.5, 0), 0.3};
-    LandingSystem<kTerms, kAccounts> system(scene, sea, motion);
-    for (Contact& c : system.contact) c = Contact(int(r.uniform(0, 3)));
-    system.saturation = int(r.uniform(-1, 2));
-    system.change(ReferenceChange::kLand, motion, 0.1), system.phase = Phase::kMoving;
-    typename LandingSystem<kTerms, kAccounts>::State y;
-    for (int k = 0; k < y.size(); ++k) y[k] = r.uniform(-1, 1) * (k >= kVx ? 3 : 1);
-    for (const Side side : {kOutputSide, kMotorSide})  // slips, or is stuck
-      system.slip[side] = r.uniform(0, 3) < 1 ? 0 : system.rate(side, y) > 0 ? 1 : -1;
-    CAPTURE(i);
-    CHECK(disagreement(system, 0.2, y) < 1e-7);
-  }
-}
-
 }  // namespace
-
-TEST_CASE("jacobian: the landing robot's is exact, in every mode") {
-  check_landing<landing::kLimitedTerms, false>();
-  check_landing<landing::kExtendedTerms, true>();
-  check_landing<landing::kLateTerms, true>();
-}
 
 TEMPLATE_TEST_CASE_SIG("jacobian: the rig's is exact", "", ((bool kLate), kLate), false, true) {
   using System = identify::OneLinkSystem<SeaTerms{true, true, kLate}, double>;

@@ -1,6 +1,6 @@
 // Landings of a drive that is late against a fixed-step integration that keeps the history of what the drive asked for:
 // the classical Runge-Kutta method at 2e-6 s, contacts and limits as they are at each stage. The mechanics are those of
-// two_link.hpp (test/property/two_link.cpp holds them against a build of its own); drive, delay and steps are not.
+// test/property/two_link.hpp (two_link.cpp holds them against a build of its own); drive, delay and steps are not.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -8,13 +8,15 @@
 #include "landing/lanes/batch.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/paper.hpp"
+#include "test/property/two_link.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
+using namespace test;
 
 namespace {
 
-Scene paper() {
+Scene short_paper() {
   Scene scene = test::paper();
   scene.t_end = 0.9;
   return scene;
@@ -152,7 +154,7 @@ TEST_CASE("late landing: a delay and a filter land as in an integration that kee
   const Feedback feedback = GENERATE(Feedback::kOutput, Feedback::kMotor);
   if (feedback == Feedback::kMotor && (delay != 1e-3 || filter == 0)) return;
   CAPTURE(delay, filter, motion.phi_i, motion.gain_p, feedback == Feedback::kMotor);
-  const Scene scene = paper();
+  const Scene scene = short_paper();
   const SeaParameters<double> sea = late(delay, filter, feedback);
   const Landing landing = simulate(scene, sea, motion);
   REQUIRE(landing.end != End::kFailed);
@@ -170,7 +172,7 @@ TEST_CASE("late landing: a delay and a filter land as in an integration that kee
 }
 
 TEST_CASE("late landing: the gradient of its peak by the motion is the differences'") {
-  const Scene scene = paper();
+  const Scene scene = short_paper();
   const SeaParameters<double> sea = late(2e-3, 3e-3, Feedback::kOutput);
   const SimulateOptions tight{.accuracy = 1e-12};
   const auto peaks = quintic_peaks(scene, sea, kMoving, tight, 1);
@@ -189,7 +191,7 @@ TEST_CASE("late landing: the gradient of its peak by the motion is the differenc
 }
 
 TEST_CASE("late landing: lanes mix drives that are late with others, and none changes another") {
-  const Scene scene = paper();
+  const Scene scene = short_paper();
   const SeaParameters<double> sea[] = {late(0, 0, Feedback::kOutput), late(1e-3, 0, Feedback::kOutput),
                                        late(0, 4e-3, Feedback::kOutput), late(3e-3, 1e-3, Feedback::kOutput)};
   std::vector<BatchCase> cases;
@@ -199,13 +201,13 @@ TEST_CASE("late landing: lanes mix drives that are late with others, and none ch
   for (std::size_t i = 0; i < cases.size(); ++i) {
     CAPTURE(i);
     CHECK(together[i].peak == Approx(peak_acceleration(scene, *cases[i].sea, cases[i].motion).peak).epsilon(1e-3));
-    batch_peaks(std::span(&cases[i], 1), alone, {.accuracy = 1e-6, .extended = true, .late = true});
+    batch_peaks(std::span(&cases[i], 1), alone, {.accuracy = 1e-6});
     CHECK(alone[0].peak == together[i].peak);
   }
 }
 
 TEST_CASE("landing: a spring that softens is followed as long as it resists, alone and among others") {
-  const Scene scene = paper();
+  const Scene scene = short_paper();
   SeaParameters<double> sea = late(0, 0, Feedback::kOutput);
   const double linear = peak_acceleration(scene, sea, kMoving).peak;
   sea.k_sea_cubic = -5;

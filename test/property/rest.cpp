@@ -1,5 +1,6 @@
-// Stopping at rest (landing/run/rest.hpp) must not change the peak: a run that stops is compared with the same run
-// followed to its time limit. The steps are the same until the stop, so the peaks agree to the last bit or not at all.
+// Stopping at rest (landing/body/body_rest.hpp) must not change the peak: a run that stops is compared with the same
+// run followed to its time limit. The steps are the same until the stop, so the peaks agree to the last bit or not at
+// all.
 #include <catch2/catch.hpp>
 
 #include "common/actuator.hpp"
@@ -26,8 +27,8 @@ TEST_CASE("rest: no later peak exceeds that of a run stopped at rest") {
     const auto [phi, duration] = scene.search;
     const Motion m{r.uniform(phi[0], phi[1]), r.uniform(phi[0], phi[1]), r.uniform(duration[0], duration[1])};
     INFO("draw " << i << ": " << m.phi_i << " " << m.phi_f << " " << m.duration);
-    const LandingPeak stopped = peak_acceleration(scene, sea, m, {.accuracy = 1e-7});
-    const Landing followed = simulate(scene, sea, m, {.accuracy = 1e-7, .rest = SimulateOptions::Rest::kIgnore});
+    const LandingPeak stopped = peak_acceleration(scene, sea, m, {.accuracy = 1e-8});
+    const Landing followed = simulate(scene, sea, m, {.accuracy = 1e-8, .rest = SimulateOptions::Rest::kIgnore});
     REQUIRE(stopped.end != End::kFailed);
     CHECK(followed.end == End::kTimeLimit);
     CHECK(followed.t_end > 10);

@@ -1,15 +1,19 @@
-// The reduced form of Eq. 1 (landing/model/two_link.hpp) and the landing built on it, held against laws that its
-// derivation does not use: a generic H(q) ddq + c + g = S tau + J^T F from body Jacobians, conserved quantities of
-// flight, the power balance of contacts, finite differences, and the mirror.
+// The reduced form of Eq. 1 (two_link.hpp) held against a generic H(q) ddq + c + g = S tau + J^T F from body Jacobians;
+// landings of the paper's robot held against conserved quantities of flight, the power balance of contacts, and the
+// mirror.
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "common/integrate/hybrid.hpp"
+#include "common/integrate/tableaus.hpp"
 #include "common/random.hpp"
-#include "landing/model/landing_system.hpp"
+#include "landing/body/body_system.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/run/simulate.hpp"
 #include "test/paper.hpp"
+#include "test/property/two_link.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
@@ -19,7 +23,6 @@ using Catch::Matchers::WithinRel;
 namespace {
 
 constexpr std::uint64_t kSeed = 20240601;
-constexpr SeaTerms kExtended{true, true};
 using Vec4 = Eigen::Vector4d;
 using Mat4 = Eigen::Matrix4d;
 using Jacobian = Eigen::Matrix<double, 2, 4>;
@@ -120,10 +123,10 @@ TEST_CASE("two_link: the reduced form solves the generic equation of motion") {
     // Accelerations of the angles, and of the thigh's centre of mass.
     check_close(acc.theta0, ddq[2], angular);
     check_close(acc.theta1, ddq[2] + ddq[3], angular);
-    const Vec2<double> thigh = thigh_acceleration(link, pose, acc);
+    const Vector2<double> thigh = thigh_acceleration(link, pose, acc);
     check_close(thigh.x(), ddq[0], linear);
     check_close(thigh.y(), ddq[1], linear);
-    const Vec2<double> r0 = thigh_position(link, pose), v0 = thigh_velocity(link, pose);
+    const Vector2<double> r0 = thigh_position(link, pose), v0 = thigh_velocity(link, pose);
     CHECK((r0 - q.head<2>()).norm() <= 1e-14 * (1 + q.norm()));
     CHECK((v0 - dq.head<2>()).norm() <= 1e-14 * (1 + dq.norm()));
     // Kinematics of the contact points, and the kinetic energy.
@@ -173,8 +176,10 @@ TEST_CASE("two_link: flight keeps energy and momentum") {
   // An undamped actuator that feeds back its own motor is conservative: K_p and both springs store, nothing dissipates.
   const SeaParameters<double> sea{
       .k_p = 50, .k_d = 0, .k_sea = 65, .c_sea = 0, .i_motor = 0.085, .k_sea_cubic = 40, .feedback = Feedback::kMotor};
-  constexpr SeaTerms kTerms{false, true};
-  using System = LandingSystem<kTerms, false>;
+  using System = BodySystem<kPair, false>;
+  constexpr int kTheta0 = System::kTheta, kTheta1 = kTheta0 + 1, kOmega0 = System::kOmega, kOmega1 = kOmega0 + 1,
+                kPhiM = System::kPhiM, kVx = System::kVx, kVy = System::kVy, kX = System::kX, kY = System::kY,
+                kOmegaM = System::kOmegaM;
   INFO("seed " << kSeed);
   for (std::uint64_t i = 0; i < 20; ++i) {
     INFO("draw " << i);
@@ -183,10 +188,13 @@ TEST_CASE("two_link: flight keeps energy and momentum") {
     scene.floor.reset();
     scene.robot = random_robot(r);
     const Motion held{-0.5, -0.5, 1};
-    System system(scene, sea, held);
-    System::State y;
+    const TwoLinkLanding links(scene, sea, held);
+    System system(links.scene.robot, 0);
+    system.body.contacts = 0;
+    system.piece[0] = constant_reference(held.phi_i);
+    System::State y = System::State::Zero();
     for (int k = 0; k < kVx; ++k) y[k] = r.uniform(-2, 2);
-    for (int k = kVx; k < kMechanical; ++k) y[k] = r.uniform(-5, 5);
+    for (int k = kVx; k <= kOmegaM; ++k) y[k] = r.uniform(-5, 5);
 
     // Angular momentum about the centre of mass from the definition: sum m_i (r_i - R) x v_i + I_i w_i.
     const auto angular = [&](const System::State& s) {
@@ -203,12 +211,13 @@ TEST_CASE("two_link: flight keeps energy and momentum") {
     };
     const auto energy = [&](const System::State& s) {
       const double d = s[kPhiM] - (s[kTheta1] - s[kTheta0]), lag = held.phi_i - s[kPhiM];
-      return system.link_energy(s) + system.motor_energy(s) + 0.5 * sea.k_sea * d * d +
+      return system.link_energy(s) + 0.5 * sea.i_motor * s[kOmegaM] * s[kOmegaM] + 0.5 * sea.k_sea * d * d +
              0.25 * sea.k_sea_cubic * d * d * d * d + 0.5 * sea.k_p * lag * lag;
     };
     const double e0 = energy(y), l0 = angular(y), vx0 = y[kVx], vy0 = y[kVy], x0 = y[kX], y0 = y[kY];
-    const double size = kinetic_energy(system.link, system.pose(y)) + system.motor_energy(y) + 60;
-    const double spin = (system.link.inertia0 + system.link.inertia1) * 20;
+    const TwoLinkDynamics<double> link(scene.robot);
+    const double size = kinetic_energy(system.body, system.pose(y)) + 0.5 * sea.i_motor * y[kOmegaM] * y[kOmegaM] + 60;
+    const double spin = (link.inertia0 + link.inertia1) * 20;
 
     constexpr double kUntil = 2;
     integrate::Integrator<integrate::DormandPrince853, System> run(system, 0, y, {.accuracy = 1e-12});
@@ -253,80 +262,6 @@ TEST_CASE("two_link: in contact the energy changes by the work done") {
     CHECK(residual(m, 1e-12) < 1e-10);  // it is the integrator's error, so it follows the tolerance
   }
   CAPTURE(worst);
-}
-
-TEST_CASE("two_link: Jet derivatives of the field are its central differences") {
-  // The equations of landing_system.hpp, put together from the kernels for a Jet; their values must be those of
-  // LandingSystem.
-  using Jet = ceres::Jet<double, kMechanical>;
-  using System = LandingSystem<kExtended, false>;
-  using JetState = Eigen::Matrix<Jet, kMechanical, 1>;
-  Scene scene = paper();
-  scene.robot.mass = {0.7, 1.1}, scene.robot.inertia_com = {4e-3, 9e-3};
-  SeaParameters<double> sea = table2_sea();
-  sea.friction = 0.4, sea.k_sea_cubic = 90;
-  sea.output_friction = 0.3, sea.output_viscous = 0.2, sea.friction_asymmetry = 0.3;
-  sea.output_friction_asymmetry = -0.2, sea.breakaway = 0.5, sea.stribeck_speed = 2, sea.spring_loss = 0.1;
-  INFO("seed " << kSeed);
-  for (std::uint64_t i = 0; i < 40; ++i) {
-    INFO("draw " << i);
-    Random r(kSeed + 4, i);
-    System system(scene, sea, {-0.3, -0.9, 0.4});
-    for (int j = 0; j < kPoints; ++j)
-      system.contact[std::size_t(j)] = Contact((i + std::uint64_t(j)) % 3);  // every mode comes
-    system.saturation = int(i % 4) - 1 == 2 ? 0 : int(i % 4) - 1;
-    system.phase = Phase::kMoving;
-    const double t = r.uniform(0.1, 0.3);
-    System::State y;
-    y << r.uniform(-1, 1), r.uniform(0, 0.1), r.uniform(-2, 2), r.uniform(-2, 2), r.uniform(-2, 2), r.uniform(-2, 2),
-        r.uniform(-2, 2), r.uniform(-9, 9), r.uniform(-9, 9), (i % 2 == 0 ? 1 : -1) * r.uniform(0.5, 5);
-
-    for (const Side side : {kOutputSide, kMotorSide}) system.slip[side] = system.rate(side, y) > 0 ? 1 : -1;
-    JetState x;
-    for (int k = 0; k < kMechanical; ++k) x[k] = Jet(y[k], k);
-    const TwoLinkDynamics<Jet> link(TwoLink<Jet>{
-        {Jet(0.7), Jet(1.1)}, {Jet(4e-3), Jet(9e-3)}, Jet(scene.robot.link_length), Jet(scene.robot.gravity)});
-    const Floor<Jet> floor{Jet(scene.floor->stiffness), Jet(scene.floor->damping_normal),
-                           Jet(scene.floor->damping_tangential)};
-    const SeaParameters<Jet> p = sea.cast<Jet>();
-    const Pose<Jet> pose{x[kX],           x[kY],           x[kVx],          x[kVy],     sin(x[kTheta0]),
-                         cos(x[kTheta0]), sin(x[kTheta1]), cos(x[kTheta1]), x[kOmega0], x[kOmega1]};
-    const SeaState<Jet> s{x[kTheta1] - x[kTheta0], x[kPhiM], x[kOmega1] - x[kOmega0], x[kOmegaM]};
-    Loads<Jet> load;
-    for (int j = 0; j < kPoints; ++j) {
-      const Contact c = system.contact[std::size_t(j)];
-      if (c == Contact::kClear) continue;
-      load.add(link, pose, j, tangential_force(floor, velocity_x(link, pose, j)),
-               c == Contact::kPressed ? normal_force(floor, height(link, pose, j), velocity_y(link, pose, j)) : Jet(0));
-    }
-    const Jet tau = limited_torque<kExtended>(p, spring_torque<kExtended>(p, s), system.saturation);
-    const Jet on_output = coulomb_torque(p, p.output_friction, p.output_friction_asymmetry,
-                                         Jet(system.slip[kOutputSide]), s.dphi),
-              on_motor = coulomb_torque(p, loaded_friction(p.friction, p.spring_loss, tau), p.friction_asymmetry,
-                                        Jet(system.slip[kMotorSide]), s.dphi_m);
-    const Accelerations<Jet> acc = solve(link, pose, Jet(output_torque<kExtended>(p, s.dphi, tau) - on_output), load);
-    const Reference<double> ref = system.reference(t);
-    JetState dx;
-    dx << x[kVx], x[kVy], x[kOmega0], x[kOmega1], x[kOmegaM], acc.x, acc.y, acc.theta0, acc.theta1,
-        motor_acceleration<kExtended>(p, s, {Jet(ref.phi), Jet(ref.dphi)}, tau) - on_motor / p.i_motor;
-
-    const System::State dy = system.derivative(t, y);
-    double size = 0;  // of the largest derivative: smaller entries are differences of such
-    for (int k = 0; k < kMechanical; ++k) {
-      CHECK(value_of(dx[k]) == Approx(dy[k]).epsilon(1e-12).margin(1e-10));
-      size = std::max(size, dx[k].v.lpNorm<Eigen::Infinity>());
-    }
-    for (int k = 0; k < kMechanical; ++k) {
-      constexpr double kH = 1e-5;
-      System::State up = y, down = y;
-      up[k] += kH, down[k] -= kH;
-      const System::State slope = (system.derivative(t, up) - system.derivative(t, down)) / (2 * kH);
-      for (int c = 0; c < kMechanical; ++c) {
-        INFO("d field " << c << " / d state " << k);
-        CHECK(dx[c].v[k] == Approx(slope[c]).epsilon(1e-7).margin(1e-9 * size));
-      }
-    }
-  }
 }
 
 TEST_CASE("two_link: a landing mirrored left to right has the same peak") {

@@ -12,6 +12,7 @@
 #include "common/median.hpp"
 #include "common/stopwatch.hpp"
 #include "identify/rollout/rollout.hpp"
+#include "landing/body/by_links.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/run/simulate.hpp"
 #include "tools/bench/bench.hpp"
@@ -28,10 +29,8 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kTight = 1e-13;
 
-/// The final positions and angles of a landing [m, rad].
-Eigen::Matrix<double, kVx, 1> final_pose(const LandingPeak& p) {
-  return Eigen::Map<const Eigen::Matrix<double, kVx, 1>>(p.state.data());
-}
+/// The final place of the centre of mass and angles of the links of a landing [m, rad].
+Eigen::Vector4d final_pose(const BodyLanding& l) { return {l.base[0], l.base[1], l.theta[0], l.theta[1]}; }
 
 /// Largest errors over the cases of a scene.
 struct Errors {
@@ -87,7 +86,7 @@ struct Bench {
 };
 
 struct LandingCase : ReferenceCase {
-  Eigen::Matrix<double, kVx, 1> pose;  ///< at the end
+  Eigen::Vector4d pose;  ///< at the end
 };
 
 SimulateOptions options_for(Method method, double setting) {
@@ -116,9 +115,10 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     std::vector<double> touchdowns;
     SimulateOptions tight = options_for(Method::kDormandPrince853, kTight);
     tight.touchdowns = &touchdowns;
-    const LandingPeak reference = peak_acceleration(c.scene, c.sea, c.motion, tight);
+    const TwoLinkLanding links(c.scene, c.sea, c.motion);
+    const BodyLanding reference = peak_acceleration(links.scene, links.motion, tight);
     tight.touchdowns = nullptr, tight.accuracy = kTight / 2;
-    const LandingPeak half = peak_acceleration(c.scene, c.sea, c.motion, tight);
+    const BodyLanding half = peak_acceleration(links.scene, links.motion, tight);
     c.pose = final_pose(reference);
     agreement = std::max(agreement, (final_pose(half) - c.pose).cwiseAbs().maxCoeff());
     if (changed) {
@@ -138,7 +138,8 @@ Bench landings(const std::string& name, std::size_t count, Change&& change) {
     SimulateOptions o = options_for(method, setting);
     std::vector<double> touchdowns;
     if (errors) o.touchdowns = &touchdowns;
-    const LandingPeak p = peak_acceleration(c.scene, c.sea, c.motion, o);
+    const TwoLinkLanding links(c.scene, c.sea, c.motion);
+    const BodyLanding p = peak_acceleration(links.scene, links.motion, o);
     work = p.work;
     if (errors)
       *errors = {std::abs(p.peak / c.peak - 1), time_error(touchdowns, c.touchdowns),

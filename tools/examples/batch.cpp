@@ -31,7 +31,7 @@ int main(int argc, char** argv) {
           cases.push_back({&scene, &actuator.sea, {at(low, high, i), at(low, high, j), at(shortest, longest, k)}});
         }
     std::vector<LandingPeak> peaks(cases.size());
-    batch_peaks(cases, peaks, {.extended = is_extended(actuator.sea), .feedback = actuator.sea.feedback}, 0);
+    batch_peaks(cases, peaks, {}, 0);
     const auto followed = [](const LandingPeak& p) { return !no_landing(p.end); };
     const auto best = std::min_element(peaks.begin(), peaks.end(), [&](auto& a, auto& b) {
       return followed(a) > followed(b) || (followed(a) == followed(b) && a.peak < b.peak);

@@ -166,9 +166,15 @@ void bind_trajectory(py::class_<BodyPlayed>& c) {
   bind_columns(c, "x", &BodySample::x, links, "Origin of each link by its name, forward [m].");
   bind_columns(c, "y", &BodySample::y, links, "Origin of each link by its name, up [m].");
   bind_columns(c, "theta", &BodySample::theta, links, "Absolute angle of each link by its name [rad].");
+  bind_columns(c, "vx", &BodySample::vx, links, "Velocity of each link's origin by its name, forward [m/s].");
+  bind_columns(c, "vy", &BodySample::vy, links, "Velocity of each link's origin by its name, up [m/s].");
+  bind_columns(c, "omega", &BodySample::omega, links, "Rate of each link's absolute angle by its name [rad/s].");
   bind_columns(c, "phi", &BodySample::phi, joints, "Angle of each joint by its name [rad].");
   bind_columns(c, "dphi", &BodySample::dphi, joints, "Rate of each joint by its name [rad/s].");
   bind_columns(c, "phi_m", &BodySample::phi_m, joints, "Angle of each motor by its joint's name [rad].");
+  bind_columns(c, "dphi_m", &BodySample::dphi_m, joints, "Rate of each motor by its joint's name [rad/s].");
+  bind_columns(c, "drive_torque", &BodySample::drive_torque, joints,
+               "Torque of each driven joint's spring, of a geared drive its motor's, by its name [Nm].");
   bind_columns(c, "tau", &BodySample::tau, joints, "Torque on the child of each joint by its name [Nm].");
   bind_columns(c, "phi_ref", &BodySample::phi_ref, joints, "Reference of each joint by its name [rad].");
   bind_columns(c, "force_x", &BodySample::force_x, contacts, "Force of the floor on each contact, forward [N].");

@@ -52,18 +52,15 @@ template <>
 struct Serializer<landing::BodyPlan> : ExceptTimes<landing::BodyPlan, &landing::BodyPlan::seconds> {};
 template <>
 struct Serializer<landing::MappedPeaks> : ExceptTimes<landing::MappedPeaks, &landing::MappedPeaks::map_seconds> {};
-using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::LandingPeak, landing::PeakRisk, landing::Risk,
-    landing::RunEnd;
+using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::PeakRisk, landing::Risk, landing::RunEnd;
 template <>
-struct Serializer<LandingPeak> : WithBase<LandingPeak, RunEnd, &LandingPeak::state> {};
-template <>
-struct Serializer<Landing> : WithBase<Landing, LandingPeak, &Landing::touches, &Landing::peaks, &Landing::trajectory,
+struct Serializer<Landing> : WithBase<Landing, RunEnd, &Landing::touches, &Landing::peaks, &Landing::trajectory,
                                       &Landing::demands, &Landing::energy_residual> {};
 template <>
 struct Serializer<BodyLanding>
     : WithBase<BodyLanding, RunEnd, &BodyLanding::broken, &BodyLanding::loads, &BodyLanding::touches,
                &BodyLanding::peaks, &BodyLanding::demands, &BodyLanding::trajectory, &BodyLanding::energy_residual,
-               &BodyLanding::base, &BodyLanding::speed> {};
+               &BodyLanding::base, &BodyLanding::speed, &BodyLanding::theta> {};
 template <>
 struct Serializer<Risk> : WithBase<Risk, PeakRisk, &Risk::worst> {};
 template <>

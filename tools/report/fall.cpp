@@ -156,15 +156,17 @@ void show(ShownFalls all, Report& report) {
 }
 
 double link_energy(const Scene& scene, const Sample& s) {
-  const TwoLinkDynamics<double> d(scene.robot);
-  const double theta1 = s.phi0 + s.phi1, k = d.k1 * d.a;
-  Pose<double> p{};
-  p.s0 = std::sin(s.phi0), p.c0 = std::cos(s.phi0), p.s1 = std::sin(theta1), p.c1 = std::cos(theta1);
-  p.omega0 = s.dphi0, p.omega1 = s.dphi0 + s.dphi1;
-  // r_0 = r + k (-(s0 + s1), c0 + c1) with the common centre of mass r, see thigh_position.
-  p.x = s.x0 + k * (p.s0 + p.s1), p.y = s.y0 - k * (p.c0 + p.c1);
-  p.vx = s.dx0 + k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy = s.dy0 + k * (p.omega0 * p.s0 + p.omega1 * p.s1);
-  return kinetic_energy(d, p) + d.total_mass * d.gravity * p.y;
+  const TwoLink<double>& robot = scene.robot;
+  const double half = 0.5 * robot.link_length, theta1 = s.phi0 + s.phi1, omega1 = s.dphi0 + s.dphi1;
+  const double sin0 = std::sin(s.phi0), cos0 = std::cos(s.phi0), sin1 = std::sin(theta1), cos1 = std::cos(theta1);
+  const auto energy = [&](std::size_t i, double y, double vx, double vy, double omega) {
+    return 0.5 * (robot.mass[i] * (vx * vx + vy * vy) + robot.inertia_com[i] * omega * omega) +
+           robot.mass[i] * robot.gravity * y;
+  };
+  // r_1 = r_0 + half (sin0 + sin1, -cos0 - cos1)
+  return energy(0, s.y0, s.dx0, s.dy0, s.dphi0) + energy(1, s.y0 - half * (cos0 + cos1),
+                                                         s.dx0 + half * (s.dphi0 * cos0 + omega1 * cos1),
+                                                         s.dy0 + half * (s.dphi0 * sin0 + omega1 * sin1), omega1);
 }
 
 void show(const Falls& given, Report& report) {

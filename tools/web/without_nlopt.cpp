@@ -1,6 +1,8 @@
-// Stubs of NLopt and of derivatives, which the page lacks: its plans are found by our own derivative-free searches.
+// Stubs of NLopt, of derivatives and of single integrators, which the page lacks: its plans are found by our own
+// derivative-free searches.
 #include <stdexcept>
 
+#include "landing/body/body_kernel.hpp"
 #include "landing/derivatives/body_gradient.hpp"
 #include "landing/derivatives/gradient.hpp"
 #include "landing/search/nlopt_solver.hpp"
@@ -9,7 +11,7 @@ namespace ukemi::landing {
 
 namespace {
 
-[[noreturn]] void absent() { throw std::logic_error("the page has no NLopt"); }
+[[noreturn]] void absent() { throw std::logic_error("the page does not have it"); }
 
 }  // namespace
 
@@ -33,6 +35,7 @@ PeakGradients<kParameters> all_gradients(const Scene&, const SeaParameters<doubl
                                          const SimulateOptions&, int) {
   absent();
 }
+BodyLanding peak_by_method(const BodyScene&, const BodyMotion&, const SimulateOptions&) { absent(); }
 BodyGradients gradients(const BodyScene&, const BodyMotion&, std::span<const BodyParameter>, const SimulateOptions&,
                         int) {
   absent();

@@ -1,4 +1,5 @@
-// The two-link floating-base robot in the vertical plane, Eq. 1 of [1] in a reduced form.
+// The two-link floating-base robot in the vertical plane, Eq. 1 of [1] in a reduced form: a second derivation, against
+// which tests hold the equations of robots of links.
 //
 // The total centre of mass R moves only under the contact forces and decouples from the two absolute angles
 // theta_0 = phi_0 (thigh) and theta_1 = phi_0 + phi_1 (shank):
@@ -10,7 +11,7 @@
 //                                                                                C' = mu a^2 sin(theta_0 - theta_1)
 // World: x forward, y up, floor at y = 0; u(theta) = (sin, -cos) points along a link, n(theta) = du/dtheta; a = l/2.
 // [1] Altangerel, Tsujita, Sekine, Abiko, Sec. 2.1, 2.2. The reduction is ours; test/property/two_link.cpp holds it
-// against a generic H(q) ddq + c + g build and against energy.
+// against a generic H(q) ddq + c + g build.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,10 +21,14 @@
 #include "common/scalar.hpp"
 #include "landing/model/constants.hpp"
 
-namespace ukemi::landing {
+namespace test {
 
+using ukemi::landing::kPoints, ukemi::landing::TwoLink;
+
+/// Components of its state.
+enum Component { kX, kY, kTheta0, kTheta1, kPhiM, kVx, kVy, kOmega0, kOmega1, kOmegaM, kMechanical };
 template <class T>
-using Vec2 = Eigen::Matrix<T, 2, 1>;
+using Vector2 = Eigen::Matrix<T, 2, 1>;
 
 /// Coefficients of the equations, computed once per run. T may be double if states have no derivatives by them.
 template <class T>
@@ -40,32 +45,6 @@ class TwoLinkDynamics {
         mu_a2(r.mass[0] * k1 * a * a),
         inertia0(r.inertia_com[0] + mu_a2),
         inertia1(r.inertia_com[1] + mu_a2) {}
-
-  /// This model in another scalar.
-  template <class U>
-  TwoLinkDynamics<U> cast() const {
-    return TwoLinkDynamics<U>(*this);
-  }
-  template <class U>
-  explicit TwoLinkDynamics(const TwoLinkDynamics<U>& o)
-      : total_mass(o.total_mass),
-        inverse_mass(o.inverse_mass),
-        gravity(o.gravity),
-        a(o.a),
-        k1(o.k1),
-        arm0{T(o.arm0[0]), T(o.arm0[1]), T(o.arm0[2])},
-        arm1{T(o.arm1[0]), T(o.arm1[1]), T(o.arm1[2])},
-        mu_a2(o.mu_a2),
-        inertia0(o.inertia0),
-        inertia1(o.inertia1) {}
-
-  /// Calls f(constant of x, same constant of y) for every constant.
-  template <class A, class B, class F>
-  static void for_each(A& x, const B& y, F&& f) {
-    f(x.total_mass, y.total_mass), f(x.inverse_mass, y.inverse_mass), f(x.gravity, y.gravity), f(x.a, y.a);
-    f(x.k1, y.k1), f(x.mu_a2, y.mu_a2), f(x.inertia0, y.inertia0), f(x.inertia1, y.inertia1);
-    for (int j = 0; j < kPoints; ++j) f(x.arm0[j], y.arm0[j]), f(x.arm1[j], y.arm1[j]);
-  }
 
   T total_mass, inverse_mass, gravity;
   T a;                          ///< half a link [m]
@@ -120,7 +99,7 @@ struct Loads {
 
   /// A force (x, y) [N] at `point`.
   template <class C>
-  UKEMI_INLINE void add(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point, const T& x, const T& y) {
+  void add(const TwoLinkDynamics<C>& d, const Pose<T>& p, int point, const T& x, const T& y) {
     fx += x, fy += y;
     q0 += d.arm0[point] * (p.c0 * x + p.s0 * y);
     q1 += d.arm1[point] * (p.c1 * x + p.s1 * y);
@@ -129,7 +108,7 @@ struct Loads {
 
 /// Eq. 1 solved for the accelerations; tau is the joint torque tau_SEA, positive where it extends phi_1 [Nm].
 template <class C, class T>
-UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<C>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
+Accelerations<T> solve(const TwoLinkDynamics<C>& d, const Pose<T>& p, const T& tau, const Loads<T>& load) {
   const T c = d.mu_a2 * (p.c0 * p.c1 + p.s0 * p.s1), cs = d.mu_a2 * (p.s0 * p.c1 - p.c0 * p.s1);
   const T r0 = load.q0 - tau - cs * p.omega1 * p.omega1, r1 = load.q1 + tau + cs * p.omega0 * p.omega0;
   const T inverse = T(1) / (d.inertia0 * d.inertia1 - c * c);
@@ -139,7 +118,7 @@ UKEMI_INLINE Accelerations<T> solve(const TwoLinkDynamics<C>& d, const Pose<T>& 
 
 /// ddr_0, acceleration of the thigh's centre of mass [m/s^2]: r_0 = R - k1 a (u(theta_0) + u(theta_1)).
 template <class C, class T>
-Vec2<T> thigh_acceleration(const TwoLinkDynamics<C>& d, const Pose<T>& p, const Accelerations<T>& acc) {
+Vector2<T> thigh_acceleration(const TwoLinkDynamics<C>& d, const Pose<T>& p, const Accelerations<T>& acc) {
   const C k = d.k1 * d.a;
   const T w0 = p.omega0 * p.omega0, w1 = p.omega1 * p.omega1;
   return {acc.x - k * (acc.theta0 * p.c0 - w0 * p.s0 + acc.theta1 * p.c1 - w1 * p.s1),
@@ -148,22 +127,14 @@ Vec2<T> thigh_acceleration(const TwoLinkDynamics<C>& d, const Pose<T>& p, const 
 
 /// r_0 and its velocity.
 template <class C, class T>
-Vec2<T> thigh_position(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
+Vector2<T> thigh_position(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
   const C k = d.k1 * d.a;
   return {p.x - k * (p.s0 + p.s1), p.y + k * (p.c0 + p.c1)};
 }
 template <class C, class T>
-Vec2<T> thigh_velocity(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
+Vector2<T> thigh_velocity(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
   const C k = d.k1 * d.a;
   return {p.vx - k * (p.omega0 * p.c0 + p.omega1 * p.c1), p.vy - k * (p.omega0 * p.s0 + p.omega1 * p.s1)};
-}
-
-/// Effective inertia M of the joint [kg m^2] at phi_1 = phi [rad]: ddphi_1 = tau / M at rest without other forces.
-template <class C>
-C joint_inertia(const TwoLinkDynamics<C>& d, const C& phi) {
-  using std::cos;
-  const C c = d.mu_a2 * cos(phi);
-  return (d.inertia0 * d.inertia1 - c * c) / (d.inertia0 + d.inertia1 + C(2) * c);
 }
 
 /// Kinetic energy of both links about and with the centre of mass [J].
@@ -174,4 +145,4 @@ T kinetic_energy(const TwoLinkDynamics<C>& d, const Pose<T>& p) {
                    d.inertia1 * p.omega1 * p.omega1 + T(2) * c * p.omega0 * p.omega1);
 }
 
-}  // namespace ukemi::landing
+}  // namespace test

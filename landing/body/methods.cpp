@@ -1,17 +1,18 @@
-// Landings by a single integrator, for comparison with `auto`: compiled for the kernel that holds every term.
+// Landings of the paper's robot by a single integrator, for comparison with `auto`.
 #include "common/integrate/rosenbrock.hpp"
 #include "common/integrate/semi_implicit_euler.hpp"
-#include "landing/run/follow.hpp"
+#include "landing/body/body_follow.hpp"
+#include "landing/body/body_kernel.hpp"
 
 namespace ukemi::landing {
 
-void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
-                        const SimulateOptions& options, LandingPeak& out) {
+BodyLanding peak_by_method(const BodyScene& scene, const BodyMotion& motion, const SimulateOptions& options) {
   const auto with = [&]<class M>() {
-    if (is_late(sea))
-      Follower<M, kLateTerms, false>(scene, sea, motion, options, out, nullptr, 0).follow();
-    else
-      Follower<M, kExtendedTerms, false>(scene, sea, motion, options, out, nullptr, 0).follow();
+    return in_kernel<kPair, kLateLeg>(scene.robot, [&]<Capacity kSize>() {
+      BodyLanding out;
+      BodyFollower<M, kSize, false>(scene, motion, options, out, 0).follow();
+      return out;
+    });
   };
   switch (options.method) {
     case Method::kSemiImplicitEuler:
@@ -24,8 +25,9 @@ void follow_with_method(const Scene& scene, const SeaParameters<double>& sea, co
       return with.template operator()<integrate::DormandPrince54>();
     case Method::kAuto:
     case Method::kDormandPrince853:
-      return with.template operator()<integrate::DormandPrince853>();
+      break;
   }
+  return with.template operator()<integrate::DormandPrince853>();
 }
 
 }  // namespace ukemi::landing
