@@ -93,11 +93,12 @@ class BodyFollower {
       course_.advance(t_), jump(integrator);
     }
     const bool may_rest = options_.rest == SimulateOptions::Rest::kStop && course_.touched() && !course_.detecting();
-    const double rest_square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
-    if (may_rest && rest_test_.due(double(n)) &&
-        rest_test_(double(n), system_, t_, integrator.state(), rest_energy_(rest_square)))
-      return End::kRest;
-    return std::nullopt;
+    return may_rest && rest_test_.due(double(n)) && rests(n, integrator.state()) ? std::optional(End::kRest)
+                                                                                 : std::nullopt;
+  }
+  bool rests(long step, const State& y) {
+    const double square = loads_ ? loads_->rest_square(peak_.square) : peak_.square;
+    return rest_test_(double(step), system_, t_, y, rest_energy_(square));
   }
   /// Tracks the loads in the step.
   template <class Integrator>

@@ -30,6 +30,7 @@ Sample sample_of(const BodySample& b, const TwoLinkLanding& l, const TwoLink<dou
              .acc = b.acc,
              .tau_sea = b.drive_torque[0],
              .phi_ref = b.phi_ref[0],
+             .energy = b.energy,
              .force = {}};
   for (std::size_t i = 0; i < l.scene.robot.contacts.size() && l.scene.floor; ++i)
     out.force[std::size_t(l.point(int(i)))] = {b.force_x[i], b.force_y[i]};

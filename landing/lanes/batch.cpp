@@ -18,7 +18,7 @@
 namespace ukemi::landing {
 
 InstructionSet widest_instruction_set() {
-#if defined(__x86_64__) && !defined(__clang__)  // see batch_kernel.cpp
+#if defined(__x86_64__) && !defined(__clang__)  // see batch_target.hpp
   static const InstructionSet set = [] {
     __builtin_cpu_init();
     const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
@@ -69,13 +69,13 @@ class AsLinks : public BodyBatchSource {
 
 }  // namespace
 
-void run_batch(BatchSource& source, const SeaParameters<double>& drive, const BatchOptions& options,
+void run_batch(BatchSource& source, const Scene& scene, const SeaParameters<double>& drive, const BatchOptions& options,
                InstructionSet set) {
   AsLinks links(source, options.limits);
-  Robot& robot = reused_landing(kMaxLanes).scene.robot;
-  robot.joints[0].sea = drive;
+  TwoLinkLanding& alike = reused_landing(kMaxLanes);
+  alike.set_scene(scene), alike.set_drive(drive, Motion{});
   const bool fails = options.on_max_steps == BatchOptions::OnMaxSteps::kFail;
-  run_body_batch(links, robot,
+  run_body_batch(links, alike.scene.robot,
                  {.accuracy = options.accuracy, .max_steps = fails ? options.max_steps : SimulateOptions{}.max_steps},
                  set);
 }
@@ -120,7 +120,7 @@ void peaks_of_alike(std::span<const BatchCase> cases, std::span<LandingPeak> pea
   std::atomic<std::size_t> next{0};
   parallel_for(workers, workers, [&](int) {
     CaseQueue<BatchCase, LandingPeak> queue(cases, peaks, next, options.over);
-    run_batch(queue, *cases[0].sea, options, set);
+    run_batch(queue, *cases[0].scene, *cases[0].sea, options, set);
   });
 }
 

@@ -17,12 +17,6 @@ struct TwoLink {
   std::array<T, 2> inertia_com;  ///< I_0, I_1 about each centre of mass [kg m^2], > 0
   T link_length;                 ///< l, of each link [m], > 0
   T gravity;                     ///< g [m/s^2], >= 0
-
-  /// This robot in another scalar.
-  template <class U>
-  TwoLink<U> cast() const {
-    return {{U(mass[0]), U(mass[1])}, {U(inertia_com[0]), U(inertia_com[1])}, U(link_length), U(gravity)};
-  }
 };
 
 /// Constants of the floor.
@@ -32,11 +26,6 @@ struct Floor {
   T damping_normal;      ///< C_fy [N/(m/s)], >= 0
   T damping_tangential;  ///< C_fx [N/(m/s)], >= 0
 
-  /// This floor in another scalar.
-  template <class U>
-  Floor<U> cast() const {
-    return {U(stiffness), U(damping_normal), U(damping_tangential)};
-  }
   /// Calls f(constant of a, same constant of b) for every constant.
   template <class A, class B, class F>
   static void for_each(A& a, const B& b, F&& f) {

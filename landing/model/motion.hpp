@@ -105,11 +105,9 @@ SeaParameters<T> with_landing_gains(SeaParameters<T> sea, const MotionOf<T>& m) 
 
 /// Changes of the reference, and what follows.
 enum class ReferenceChange : unsigned char {
-  kNone,
   kReposition,   ///< the move in the air
   kHoldInitial,  ///< constant at phi_I
   kLand,         ///< the landing motion, from where the reference is
-  kHoldFinal,    ///< constant at phi_F
 };
 
 /// The piece of the reference after a change at the time t, which may interrupt the move in the air.
@@ -117,7 +115,6 @@ template <class T>
 ReferencePiece<T> piece_after(ReferenceChange to, const MotionOf<T>& m, const ReferencePiece<T>& before, const T& t) {
   if (to == ReferenceChange::kReposition) return reposition_of(m);
   if (to == ReferenceChange::kHoldInitial) return constant_reference(m.phi_i);
-  if (to != ReferenceChange::kLand) return before;
   const bool ended = value_of(t) >= value_of(before.start) + value_of(before.duration);
   return landing_of(m, ended ? before.b : before.at(t, false).phi, t);
 }

@@ -163,6 +163,7 @@ struct Peak {
 /// One row of a trajectory, SI units; phi_0, phi_1 as in [1], r_0 the thigh's centre of mass.
 struct Sample {
   double t, x0, y0, phi0, phi1, phi_m, dx0, dy0, dphi0, dphi1, dphi_m, ddx0, ddy0, acc, tau_sea, phi_ref;
+  double energy;  ///< kinetic and gravitational, of both links; the floor is zero [J]
   std::array<std::array<double, 2>, kPoints> force;  ///< of the floor on each point, along x and y [N]
 };
 

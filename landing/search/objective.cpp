@@ -169,7 +169,7 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
     Race race(*this, points.subspan(a, b - a), goal, max_work);
-    run_batch(race, drive_, batch, fastest_instruction_set((b - a) * std::size_t(landings_per_motion(goal))));
+    run_batch(race, scene_, drive_, batch, fastest_instruction_set((b - a) * std::size_t(landings_per_motion(goal))));
     race.close();
     landings += race.landings, flights += race.flights, work += race.work;
   });

@@ -1,5 +1,5 @@
 // What a landing needs beside an integrator, for the peers: its start, its modes, where a guard falls through zero
-// inside a step, and where |ddr_0| is largest. Written apart from landing/run/simulate.cpp, so that the two check each
+// inside a step, and where |ddr_0| is largest. Written apart from landing/body/body_follow.hpp, so that the two check each
 // other; only the equations of landing/body/body_system.hpp are shared.
 #pragma once
 
@@ -42,7 +42,7 @@ struct Result {
   std::string order() const { return {touchdowns.data(), std::size_t(std::min<int>(touched, touchdowns.size()))}; }
 };
 
-inline constexpr double kMaxStep = 0.1;        ///< as in landing/run/simulate.cpp [s]
+inline constexpr double kMaxStep = 0.1;        ///< as in landing/body/body_follow.hpp [s]
 inline constexpr double kSameInstant = 1e-14;  ///< times nearer than this are one [s]
 inline constexpr long kMaxSteps = 200'000;
 inline constexpr int kMaxAtOnce = 64;     ///< events at one instant

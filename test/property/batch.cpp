@@ -91,6 +91,26 @@ TEST_CASE("batch: neighbours, threads, mixed scenes and eight lanes for four cha
   }
 }
 
+TEST_CASE("batch: landings of robots with other contacts change nothing by their order or the threads") {
+  const Scene paper = scene_of("paper");
+  Scene foot = paper;
+  foot.contacts = {false, true, true};
+  const SeaParameters<double> sea = table2_sea();
+  std::vector<BatchCase> cases;
+  for (int i = 0; i < 300; ++i) cases.push_back({i % 4 ? &foot : &paper, &sea, draw(paper, 7, i)});
+  for (const InstructionSet set : sets()) {
+    std::vector<LandingPeak> forward(cases.size()), backward(cases.size()), threaded(cases.size());
+    batch_peaks(cases, forward, {}, 1, set);
+    batch_peaks(cases, threaded, {}, 3, set);
+    std::vector<BatchCase> turned(cases.rbegin(), cases.rend());
+    batch_peaks(turned, backward, {}, 1, set);
+    int differ = 0;
+    for (std::size_t i = 0; i < cases.size(); ++i)
+      differ += !same(forward[i], backward[cases.size() - 1 - i]) || !same(forward[i], threaded[i]);
+    CHECK(differ == 0);
+  }
+}
+
 TEST_CASE("batch: landings that only some kernels hold change nothing by their order or the threads") {
   const Scene paper = scene_of("paper");
   const SeaParameters<double> sea = table2_sea();
@@ -273,7 +293,7 @@ TEST_CASE("batch: a source that is over ends the run, whatever is under way") {
   for (const InstructionSet set : sets()) {
     Endless source;
     source.scene = &scene, source.sea = &sea;
-    run_batch(source, sea, {}, set);
+    run_batch(source, scene, sea, {}, set);
     CHECK(source.asked == 20);
     CHECK(!source.ended.empty());
     CHECK(source.begun == int(source.ended.size()) + lanes(set));  // those under way are not reported

@@ -110,12 +110,10 @@ Figure against_rating(const Falls& f, const std::string& name, const std::string
 
 Figure energy(const Falls& f) {
   const std::vector<Sample>& rows = f.falls[0].landing->trajectory;
-  Series links{"both links", {}, {}}, motor{"motor", {}, {}};
-  for (const Sample& s : rows) {
-    links.x.push_back(s.t), links.y.push_back(link_energy(f.scene, s));
+  Series motor{"motor", {}, {}};
+  for (const Sample& s : rows)
     motor.x.push_back(s.t), motor.y.push_back(0.5 * f.actuator.sea.i_motor * s.dphi_m * s.dphi_m);
-  }
-  Figure out = over_time("energy", "energy [J]", {links, motor});
+  Figure out = over_time("energy", "energy [J]", {curve("both links", rows, &Sample::energy), motor});
   out.caption = "Kinetic and gravitational energy of the links (the floor is zero) and the motor's kinetic energy, " +
                 f.falls[0].name + ".";
   return out;
@@ -153,20 +151,6 @@ void show(ShownFalls all, Report& report) {
     report.figure(fall_picture(postures_of(all, all.falls[0]), acceleration(all, 1)));
   for (Figure& detail : all.details) report.figure(std::move(detail));
   if (!all.data.empty()) report.paragraph("The numbers of these figures: " + all.data + ".");
-}
-
-double link_energy(const Scene& scene, const Sample& s) {
-  const TwoLink<double>& robot = scene.robot;
-  const double half = 0.5 * robot.link_length, theta1 = s.phi0 + s.phi1, omega1 = s.dphi0 + s.dphi1;
-  const double sin0 = std::sin(s.phi0), cos0 = std::cos(s.phi0), sin1 = std::sin(theta1), cos1 = std::cos(theta1);
-  const auto energy = [&](std::size_t i, double y, double vx, double vy, double omega) {
-    return 0.5 * (robot.mass[i] * (vx * vx + vy * vy) + robot.inertia_com[i] * omega * omega) +
-           robot.mass[i] * robot.gravity * y;
-  };
-  // r_1 = r_0 + half (sin0 + sin1, -cos0 - cos1)
-  return energy(0, s.y0, s.dx0, s.dy0, s.dphi0) + energy(1, s.y0 - half * (cos0 + cos1),
-                                                         s.dx0 + half * (s.dphi0 * cos0 + omega1 * cos1),
-                                                         s.dy0 + half * (s.dphi0 * sin0 + omega1 * sin1), omega1);
 }
 
 void show(const Falls& given, Report& report) {

@@ -68,9 +68,6 @@ struct ShownFalls {
 };
 void show(ShownFalls falls, Report& report);
 
-/// Kinetic and potential energy of both links [J].
-double link_energy(const landing::Scene& scene, const landing::Sample& sample);
-
 /// Names of every figure of a fall.
 std::vector<std::string> fall_figures();
 
