@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "common/checks.hpp"
-#include "common/parallel.hpp"
 #include "landing/body/load.hpp"
 #include "landing/judge/census.hpp"
+#include "landing/lanes/body_batch.hpp"
 
 namespace ukemi::landing {
 
@@ -14,36 +14,38 @@ void BodyRiskOptions::validate() const { check_count("samples", samples, 1, 10'0
 
 namespace {
 
-constexpr double kAccuracy = 1e-6, kBalanced = 1e-7;  // of a peak; of a landing whose energy balance is checked
-constexpr long kChunk = 2048;                         // landings that are held in memory at once
+constexpr double kAccuracy = 1e-6;  // of a landing's steps
+constexpr long kChunk = 2048;       // landings that are held in memory at once
 
 using Kind = RiskEvent::Kind;
 
-std::vector<RiskEvent> events_of(const BodyScene& scene) {
-  const Robot& robot = scene.robot;
-  std::vector<RiskEvent> out;
-  for (std::size_t i = 0; i < scene.loads.size(); ++i) {
-    const Load& l = scene.loads[i];
-    RiskEvent e{.kind = Kind::kLoad, .load = int(i), .limit = l.rating};
-    if (l.kind == Load::Kind::kTouch) e.kind = Kind::kTouch, e.point = l.index;
-    if (l.kind == Load::Kind::kAngle && l.limit && l.rating == 0) e.kind = Kind::kStops, e.joint = l.index;
-    out.push_back(e);
+/// The events of a motion, and the load that each is beyond the rating of.
+struct Events {
+  std::vector<RiskEvent> all;
+  std::vector<Load> loads;  ///< of the scene, then the ratings of the drives, which limit nothing
+
+  explicit Events(const BodyScene& scene) : loads(scene.loads) {
+    for (std::size_t i = 0; i < loads.size(); ++i) {
+      const Load& l = loads[i];
+      RiskEvent e{.kind = Kind::kLoad, .load = int(i), .limit = l.rating};
+      if (l.kind == Load::Kind::kTouch) e.kind = Kind::kTouch, e.point = l.index;
+      if (l.kind == Load::Kind::kAngle && l.limit && l.rating == 0) e.kind = Kind::kStops, e.joint = l.index;
+      all.push_back(e);
+    }
+    for (std::size_t i = 0; i < scene.robot.joints.size(); ++i) {
+      const Joint& j = scene.robot.joints[i];
+      if (j.driven() && j.speed_max) add_rating(scene.robot, Kind::kSpeed, Load::Kind::kMotorSpeed, i, *j.speed_max);
+      if (j.driven() && j.motor_torque_max)
+        add_rating(scene.robot, Kind::kTorque, Load::Kind::kMotorTorque, i, *j.motor_torque_max);
+    }
   }
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const Joint& j = robot.joints[i];
-    if (!j.driven()) continue;
-    if (j.speed_max) out.push_back({.kind = Kind::kSpeed, .joint = int(i), .limit = *j.speed_max});
-    if (j.motor_torque_max) out.push_back({.kind = Kind::kTorque, .joint = int(i), .limit = *j.motor_torque_max});
+
+ private:
+  void add_rating(const Robot& robot, Kind kind, Load::Kind load, std::size_t joint, double rating) {
+    all.push_back({.kind = kind, .joint = int(joint), .limit = rating});
+    loads.push_back(limit(robot, load, joint, rating)), loads.back().limit = false;
   }
-  return out;
-}
-bool exceeded(const RiskEvent& e, const BodyScene& scene, const BodyLanding& l) {
-  if (e.load >= 0)
-    return loads_of(scene, l)[std::size_t(e.load)].value > rating_limit(scene.loads[std::size_t(e.load)], scene.robot);
-  const JointDemands& d = l.demands[std::size_t(e.joint)];
-  if (e.kind == Kind::kSpeed) return d.motor_speed > rating_limit(e.limit);
-  return d.motor_torque > torque_limit(scene.robot.joints[std::size_t(e.joint)], e.limit);
-}
+};
 
 class DropRunner {
  public:
@@ -56,12 +58,14 @@ class DropRunner {
   }
   std::vector<BodyLanding> landings(std::span<BodyDrop> drops, const BodyMotion& motion,
                                     const std::vector<Load>& loads) const {
+    std::vector<BodyMotion> played(drops.size());
+    std::vector<BodyBatchCase> cases;
+    for (std::size_t k = 0; k < drops.size(); ++k) {
+      drops[k].scene.loads = loads, played[k] = drops[k].played(motion);
+      cases.push_back({&drops[k].scene, &played[k]});
+    }
     std::vector<BodyLanding> out(drops.size());
-    parallel_for(int(drops.size()), options_.threads, [&](int k) {
-      BodyDrop& d = drops[std::size_t(k)];
-      d.scene.loads = loads;
-      if (!over_()) out[std::size_t(k)] = simulate(d.scene, d.played(motion), {.accuracy = kBalanced, .over = &over_});
-    });
+    body_batch_peaks(cases, out, {.accuracy = kAccuracy, .over = &over_}, options_.threads);
     return out;
   }
 
@@ -71,8 +75,8 @@ class DropRunner {
   long planned_, played_ = 0;
 };
 
-void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scene, const BodyMotion& motion,
-                long samples, const BodyRiskOptions& options, DropRunner& runner) {
+void play_drops(BodyRisk& out, const BodyDropModel& model, const Events& events, const BodyMotion& motion, long samples,
+                const BodyRiskOptions& options, DropRunner& runner) {
   const BodyMotion hold = held_posture(model.scene());
   const auto drops_of = [&](long first, long count) {
     const std::vector<BodyDrop>& measured = model.measured();
@@ -86,7 +90,7 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
     const auto of_held = std::span<const BodyDrop>(drops).first(
         std::size_t(std::clamp(PeakRisk::kHeldDrops - first, 0L, long(drops.size()))));
     const std::vector<double> held_peaks = runner.peaks(of_held, hold);
-    const std::vector<BodyLanding> landings = runner.landings(drops, motion, scene.loads);
+    const std::vector<BodyLanding> landings = runner.landings(drops, motion, events.loads);
     if (runner.stopped()) break;
     for (const double x : held_peaks) census.add_held(x);
     for (const BodyDrop& d : drops) out.from_floor += d.from_floor;
@@ -97,10 +101,11 @@ void play_drops(BodyRisk& out, const BodyDropModel& model, const BodyScene& scen
       out.lost += l.joint_lost;
       census.add_contact(l);
       bool broken = false;
-      for (RiskEvent& e : out.events) {
-        const bool occurs = exceeded(e, scene, l);
-        e.drops += occurs;
-        broken = broken || (occurs && e.load >= 0 && scene.loads[std::size_t(e.load)].limit);
+      const std::vector<LoadPeak> peaks = loads_of(drops[i].scene, l);
+      for (std::size_t k = 0; k < peaks.size(); ++k) {
+        const Load& load = events.loads[k];
+        const bool occurs = peaks[k].value > rating_limit(load, model.scene().robot);
+        out.events[k].drops += occurs, broken = broken || (occurs && load.limit);
       }
       out.broken += broken;
     }
@@ -119,7 +124,8 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
   const bool drawn = !options.measured;
   if (drawn) out.scatter = scatter_for(options.scatter, scene);
   out.assumed = drawn && !options.scatter && !scene.scatter;
-  out.events = events_of(scene);
+  const Events events(scene);
+  out.events = events.all;
   BodyScene bare = scene;
   bare.loads.clear();
   std::vector<BodyDrop> measured;
@@ -130,7 +136,7 @@ BodyRisk body_risk(const BodyScene& scene, const BodyMotion& motion, const BodyR
   const long samples = !drawn ? long(measured.size()) : model.scatters() ? options.samples : 1;
   const IndexPlan plan(model.sampler(), samples);
   DropRunner runner(options, samples + std::min(samples, PeakRisk::kHeldDrops) + plan.landings());
-  play_drops(out, model, scene, motion, samples, options, runner);
+  play_drops(out, model, events, motion, samples, options, runner);
   out.why_none = drawn ? plan.why_none(runner.stopped()) : PeakRisk::WhyNone::kMeasured;
   if (out.why_none != PeakRisk::WhyNone::kThere) return out;
   plan.compute(out, kChunk, options.seed, options.threads,
