@@ -136,11 +136,16 @@ std::vector<std::size_t> local_minima(const PeakMap& map) {
   return minima;
 }
 
-PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
-                  const PlayCells& play) {
+PeakMap::Cell cell_of(const RunEnd& l, double value) {
+  const bool none = no_landing(l.end) || l.end == End::kStopped;
+  return {none ? std::numeric_limits<double>::quiet_NaN() : value, l.contacts, l.peak_contact, l.joint_lost, l.end};
+}
+
+PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, const PlayCells& play) {
   options.validate();
   PeakMap map = empty_map(variables, options);
-  if (row == 0) row = std::size_t(map.cells.back());
+  std::size_t row = 1;  // the landings of a row are similar: lanes reach their events together
+  for (auto cells = map.cells.rbegin(); row == 1; ++cells) row = std::size_t(*cells);
   std::atomic<long> rows{0};
   const int count = int(map.grid.size() / row);
   parallel_for(count, options.threads, [&](int r) {
@@ -157,9 +162,8 @@ PeakMap map_peaks(const Scene& scene, const SeaParameters<double>& sea, const Ma
 }
 
 PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions& options) {
-  // A row of the last variable is one batch: its landings are similar, so that lanes reach their events together.
   return map_peaks(
-      space.variables(), options, 0, [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> row) {
+      space.variables(), options, [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> row) {
         std::vector<DrivenMotion> plays;
         std::vector<BatchCase> cases;
         for (std::size_t k = 0; k < row.size(); ++k) plays.push_back(space.play(map.values(map.place(first + k))));
@@ -167,12 +171,7 @@ PeakMap map_peaks(const Scene& scene, const MotionSpace& space, const MapOptions
         std::vector<LandingPeak> peaks(cases.size());
         batch_peaks(cases, peaks,
                     {.accuracy = options.accuracy, .over = options.monitor.stop ? &options.monitor.stop : nullptr});
-        for (std::size_t k = 0; k < peaks.size(); ++k) {
-          const LandingPeak& p = peaks[k];
-          const bool none = no_landing(p.end) || p.end == End::kStopped;
-          row[k] = {none ? std::numeric_limits<double>::quiet_NaN() : p.peak, p.contacts, p.peak_contact, p.joint_lost,
-                    p.end};
-        }
+        for (std::size_t k = 0; k < peaks.size(); ++k) row[k] = cell_of(peaks[k], peaks[k].peak);
       });
 }
 

@@ -11,10 +11,12 @@ namespace ukemi::landing {
 
 /// Plays the cells of the grid from index `first` on; called from several threads.
 using PlayCells = std::function<void(const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells)>;
-/// Every point of a grid over variables, `row` neighbours along the last variable at a time (0: all; else a divisor of
-/// their number), until the monitor stops it. Throws InputError for options that do not fit the variables.
-[[nodiscard]] PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options, std::size_t row,
+/// Every point of a grid over variables, a row along the last one that varies at a time, until the monitor stops it.
+/// Throws InputError for options that do not fit the variables.
+[[nodiscard]] PeakMap map_peaks(const std::vector<Variable>& variables, const MapOptions& options,
                                 const PlayCells& play);
+/// The cell of a landing and its value.
+[[nodiscard]] PeakMap::Cell cell_of(const RunEnd& landing, double value);
 
 /// The grid's points that are as low as all their neighbours, the lowest first.
 [[nodiscard]] std::vector<std::size_t> local_minima(const PeakMap& map);

@@ -8,6 +8,7 @@
 #include "common/csv.hpp"
 #include "landing/body/load.hpp"
 #include "landing/judge/peak_grid.hpp"
+#include "landing/lanes/body_batch.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_goal.hpp"
 #include "landing/search/cma.hpp"
@@ -18,10 +19,18 @@ namespace {
 
 const std::function<bool()>* over_of(const Monitor& monitor) { return monitor.stop ? &monitor.stop : nullptr; }
 
-/// The value of a motion; kNoMotion where it could not be followed, broke a limit, or was stopped.
-double worth_of(const BodyScene& scene, const BodyMotion& motion, double above, const Monitor& monitor) {
-  const BodyLanding l =
-      peak_acceleration(scene, motion, {.accuracy = kSearchAccuracy, .abandon_above = above, .over = over_of(monitor)});
+/// Landings of motions in lanes, abandoned above a value; those that the monitor cuts off are kStopped.
+std::vector<BodyLanding> landings_of(const BodyScene& scene, const std::vector<BodyMotion>& motions, double above,
+                                     const Monitor& monitor) {
+  std::vector<BodyBatchCase> cases;
+  for (const BodyMotion& m : motions) cases.push_back({&scene, &m, above});
+  std::vector<BodyLanding> out(cases.size());
+  body_batch_peaks(cases, out, {.accuracy = kSearchAccuracy, .over = over_of(monitor)});
+  return out;
+}
+
+/// The value of a landing; kNoMotion where it could not be followed, broke a limit, or was stopped.
+double worth_or_none(const BodyScene& scene, const BodyLanding& l) {
   return no_landing(l.end) || l.end == End::kStopped ? kNoMotion : worth(scene, l);
 }
 
@@ -41,14 +50,16 @@ Candidate descend_from(const BodyScene& scene, const BodySpace& space, const Coo
   for (long played = 0; played < kMotions && distribution.largest_deviation() > kConverged; played += kPoints) {
     if (options.monitor.stopped()) return start;
     distribution.sample(random, points);
-    for (Candidate& p : points) p.value = worth_of(scene, space.motion(p.u), bound, options.monitor);
+    std::vector<BodyMotion> motions;
+    for (const Candidate& p : points) motions.push_back(space.motion(p.u));
+    const std::vector<BodyLanding> landings = landings_of(scene, motions, bound, options.monitor);
+    for (std::size_t k = 0; k < points.size(); ++k) points[k].value = worth_or_none(scene, landings[k]);
     bound = distribution.update(points);
     best = std::min(best, points[0]);
   }
   Candidate out;
   for (Candidate p : {start, best}) {
-    const BodyLanding l = simulate(scene, space.motion(p.u), {.accuracy = options.tight});
-    p.value = no_landing(l.end) ? kNoMotion : worth(scene, l);
+    p.value = worth_or_none(scene, simulate(scene, space.motion(p.u), {.accuracy = options.tight}));
     if (out.u.size() == 0 || p < out) out = p;
   }
   return out;
@@ -112,15 +123,13 @@ BodySurvey survey(const BodyScene& given, const SurveyOptions& options) {
     return space.motion(space.unit(map.values(at)));
   };
   const auto play = [&](const PeakMap& map, std::size_t first, std::span<PeakMap::Cell> cells) {
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-      const BodyLanding l = peak_acceleration(scene, motion(map, map.place(first + k)),
-                                              {.accuracy = kSearchAccuracy, .over = over_of(options.map.monitor)});
-      const bool none = no_landing(l.end) || l.end == End::kStopped;
-      cells[k] = {none ? std::numeric_limits<double>::quiet_NaN() : worth(scene, l), l.contacts, l.peak_contact,
-                  l.joint_lost, l.end};
-    }
+    std::vector<BodyMotion> motions;
+    for (std::size_t k = 0; k < cells.size(); ++k) motions.push_back(motion(map, map.place(first + k)));
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    const std::vector<BodyLanding> landings = landings_of(scene, motions, kAny, options.map.monitor);
+    for (std::size_t k = 0; k < cells.size(); ++k) cells[k] = cell_of(landings[k], worth(scene, landings[k]));
   };
-  BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, 1, play); }), given, {}, {}};
+  BodySurvey out{mapped([&] { return map_peaks(space.variables(), options.map, play); }), given, {}, {}};
   std::vector<std::size_t> minima = local_minima(out.map);
   minima.resize(std::min(minima.size(), std::size_t(options.map.polished)));
   for (const std::size_t i : minima) out.minima.push_back({motion(out.map, out.map.place(i)), out.map.grid[i].peak});
