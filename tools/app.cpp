@@ -93,6 +93,13 @@ void add_verbs(CLI::App& app, Action& chosen) {
   group_options(app);
 }
 
+/// The message of a command that CLI11 refuses.
+std::string message_of(const CLI::ParseError& e) {
+  const std::string text = e.what();
+  const std::size_t counts = text.find(": At Most 1 required");
+  return counts == std::string::npos ? text : text.substr(0, counts) + ": given more than once";
+}
+
 Action action_of(int argc, const char* const* argv) {
   CLI::App app("ukemi: identify a series elastic actuator, plan the landing it should make", "ukemi");
   Action chosen;
@@ -106,7 +113,7 @@ Action action_of(int argc, const char* const* argv) {
     app.parse(std::move(words));
     return chosen;
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) throw InputError(e.what());
+    if (e.get_exit_code() != 0) throw InputError(message_of(e));
     std::ostringstream out, err;  // --help, --version
     const int code = app.exit(e, out, err);
     return [text = out.str(), code] { return print_raw(text), code; };

@@ -236,10 +236,11 @@ class RestTest {
   /// Tests the state; if it is not at rest, the next test waits for E to decay.
   template <class System>
   bool operator()(double steps, const System& s, double t, const typename System::State& y, double limit) {
-    constexpr double kStepsToHalve = 1.5, kMaxWait = 16;  // steps in which E halves, or more
+    constexpr double kStepsToHalve = 4, kMinWait = 4, kMaxWait = 16;  // steps; E halves in 1.5 or more
     const std::optional<double> ratio = rest_ratio(s, t, y, limit);
     if (ratio && *ratio <= 1) return true;
-    next_ = steps + (ratio && *ratio > 1 ? std::clamp(kStepsToHalve * std::log2(*ratio), 1.0, kMaxWait) : 1);
+    next_ =
+        steps + (ratio && *ratio > 1 ? std::clamp(kStepsToHalve * std::log2(*ratio), kMinWait, kMaxWait) : kMinWait);
     return false;
   }
 

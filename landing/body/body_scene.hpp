@@ -91,8 +91,8 @@ BodyMotion held_posture(const BodyScene& scene);
 /// Adds a limit CONTACT.touch for each of the named contacts. Throws InputError "OPTION: ..." for an unknown name.
 void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const std::string& option = "forbid");
 /// Makes the ratings of each drive limits: JOINT.motor_speed, JOINT.motor_torque, and JOINT.reference_rate with the
-/// motor's speed. Returns the joints whose drive has neither rating.
-std::vector<std::string> respect_ratings(BodyScene& scene);
+/// motor's speed. Returns the joints whose drive has neither rating. Throws InputError "OPTION: ..." if none has one.
+std::vector<std::string> respect_ratings(BodyScene& scene, const std::string& option = "respect_ratings");
 /// Throws InputError unless there is a motion for every joint, and those of driven joints are valid.
 void validate(const Robot& robot, const BodyMotion& motion);
 

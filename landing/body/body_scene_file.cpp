@@ -310,19 +310,23 @@ void forbid(BodyScene& scene, const std::vector<std::string>& contacts, const st
   }
 }
 
-std::vector<std::string> respect_ratings(BodyScene& scene) {
+std::vector<std::string> respect_ratings(BodyScene& scene, const std::string& option) {
   using Kind = Load::Kind;
   const std::vector<Joint>& joints = scene.robot.joints;
   std::vector<std::string> unrated;
+  bool rated = false;
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const Joint& joint = joints[i];
     if (!joint.driven()) continue;
-    if (!joint.speed_max && !joint.motor_torque_max) unrated.push_back(joint.name);
+    const bool known = joint.speed_max || joint.motor_torque_max;
+    rated = rated || known;
+    if (!known) unrated.push_back(joint.name);
     for (const auto& [kind, rating] : {std::pair(Kind::kMotorSpeed, joint.speed_max),
                                        {Kind::kReferenceRate, joint.speed_max},
                                        {Kind::kMotorTorque, joint.motor_torque_max}})
       if (rating) set_limit(scene, limit(scene.robot, kind, i, *rating));
   }
+  if (!rated) throw InputError(option + ": no drive has speed_max or motor_torque_max: there is no rating to keep");
   return unrated;
 }
 

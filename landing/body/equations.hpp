@@ -23,6 +23,7 @@
 #include <array>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "common/trigonometry.hpp"
 #include "landing/body/places.hpp"
@@ -124,6 +125,17 @@ struct Count<kMax, true> {
   Count(int = kMax) {}
   constexpr operator int() const { return kMax; }
 };
+/// Calls f(0), ..., f(n - 1). For a constant n unrolled at once, so that inner loops whose bounds are those indices
+/// have constant bounds too, and small arrays stay in registers.
+template <class N, class F>
+UKEMI_INLINE void for_indices(const N& n, F&& f) {
+  for (int i = 0; i < n; ++i) f(i);
+}
+template <int kMax, class F>
+UKEMI_INLINE void for_indices(const Count<kMax, true>&, F&& f) {
+  [&]<int... i>(std::integer_sequence<int, i...>) UKEMI_INLINE_LAMBDA { (f(i), ...); }
+  (std::make_integer_sequence<int, kMax>());
+}
 
 /// Lever arms of a point, for each body; with kStraight every B is 0.
 template <class T, int kBodies, bool kStraight = false>
@@ -295,26 +307,35 @@ template <class T, int kMax>
 struct Symmetric {
   std::array<std::array<T, kMax>, kMax> m{};
 
-  /// M = L D L', in place: L below the diagonal, the inverse of D on it.
-  UKEMI_INLINE void factor(int n) { factor(n, T(T(1) / m[0][0])); }
+  /// M = L D L', in place: L below the diagonal, the inverse of D on it; n: its size, an int or a Count.
+  template <class N>
+  UKEMI_INLINE void factor(const N& n) {
+    factor(n, T(T(1) / m[0][0]));
+  }
   /// The same with the inverse of the first element of M.
-  UKEMI_INLINE void factor(int n, const T& first) {
-    for (int j = 0; j < n; ++j) {
+  template <class N>
+  UKEMI_INLINE void factor(const N& n, const T& first) {
+    for_indices(n, [&](int j) UKEMI_INLINE_LAMBDA {
       m[j][j] = j == 0 ? first : T(T(1) / m[j][j]);
-      for (int i = n; --i > j;) {  // upwards: the rows above still have their elements of M
+      for_indices(n, [&](int above) UKEMI_INLINE_LAMBDA {
+        const int i = n - 1 - above;  // upwards: the rows above still have their elements of M
+        if (i <= j) return;
         const T l = m[i][j] * m[j][j];
         for (int k = j + 1; k <= i; ++k) m[i][k] -= l * m[k][j];
         m[i][j] = l;
-      }
-    }
+      });
+    });
   }
-  UKEMI_INLINE void solve(int n, std::array<T, kMax>& x) const {
-    for (int i = 0; i < n; ++i)
+  template <class N>
+  UKEMI_INLINE void solve(const N& n, std::array<T, kMax>& x) const {
+    for_indices(n, [&](int i) UKEMI_INLINE_LAMBDA {
       for (int k = 0; k < i; ++k) x[i] -= m[i][k] * x[k];
-    for (int i = n; i-- > 0;) {
+    });
+    for_indices(n, [&](int above) UKEMI_INLINE_LAMBDA {
+      const int i = n - 1 - above;
       x[i] *= m[i][i];
       for (int k = i + 1; k < n; ++k) x[i] -= m[k][i] * x[k];
-    }
+    });
   }
 };
 
@@ -325,8 +346,7 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
   using Symmetric<T, kMax>::m;
 
   MassMatrix(const Body<T, kSize>& b, const TreePose<T, kSize.bodies>& p, std::array<T, kMax>& right) {
-    const int n = b.bodies;
-    for (int j = 0; j < n; ++j) {
+    for_indices(b.bodies, [&](int j) UKEMI_INLINE_LAMBDA {
       m[j][j] = b.n[j][j];
       for (int k = 0; k < j; ++k) {
         const T c = p.cos[j] * p.cos[k] + p.sin[j] * p.sin[k], s = p.sin[j] * p.cos[k] - p.cos[j] * p.sin[k];
@@ -335,7 +355,7 @@ struct MassMatrix : Symmetric<T, kSize.bodies + 1> {
         if constexpr (!kSize.straight()) m[j][k] += b.n[j][k] + b.q[j][k] * s, h -= b.q[j][k] * c;
         right[j] -= p.omega[k] * p.omega[k] * h, right[k] += p.omega[j] * p.omega[j] * h;
       }
-    }
+    });
     if constexpr (kSize.straight()) return;
     if (b.base == Base::kRail) add_rail(b, p, right);
     if (!b.first_fixed) return;
@@ -433,9 +453,9 @@ TreeAccelerations<T, kSize.bodies> solve(const Body<T, kSize>& b, const TreePose
   if (base == Base::kRail)  // separate calls: loop counts are constants in exact kernels
     mass.factor(bodies + 1), mass.solve(bodies + 1, right);
   else if constexpr (kSize.straight())
-    mass.factor(bodies, b.inverse_first), mass.solve(bodies, right);
+    mass.factor(b.bodies, b.inverse_first), mass.solve(b.bodies, right);
   else
-    mass.factor(bodies), mass.solve(bodies, right);
+    mass.factor(b.bodies), mass.solve(b.bodies, right);
   if (stick) [[unlikely]]
     stick->apply(b, mass, right);
   TreeAccelerations<T, kSize.bodies> out;

@@ -30,6 +30,7 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   BodyBatchEngine(BodyBatchSource& source, const Robot& robot, const BodyBatchOptions& options)
       : Engine(System(), options.accuracy, options.max_steps), source_(source), options_(options) {
     system_.copy_structure(typename Course::System(robot, 0));
+    system_.shaped = false;
   }
   void run() { this->run_all(source_); }
 
@@ -323,17 +324,18 @@ class BodyBatchEngine : private Lockstep<BodyBatchEngine<kSize, W>, BodySystem<k
   }
   UKEMI_INLINE const T& longest_step() const { return longest_; }
   UKEMI_INLINE void stepped() { joint_lost_ |= accepted_ & system_.lost_joint(step_.y); }
-  /// Lanes at rest among `no_event`, by the rule of body_rest.hpp; the kinetic energy is checked first.
+  /// Lanes at rest among `no_event`, by the rule of body_rest.hpp; motions and the kinetic energy are checked first.
   UKEMI_INLINE M resting(const M& no_event) {
+    M out = no_event;
+    for (int i = 0; i < system_.body.joints; ++i) out &= !moving(system_.joint[i].phase);
+    if (!any(out)) return out;
     auto p = system_.pose(step_.y);
     if (system_.body.base == Base::kFree) p.vx = T(0.0);
     const T energy = kinetic_energy(system_.body, p);
-    M out = no_event & ((energy <= per_square_ * peak_.square) | (energy <= unresolved_));
+    out &= (energy <= per_square_ * peak_.square) | (energy <= unresolved_);
     if (!any(out)) return out;
     for (int i = 0; i < W; ++i)
-      if (out[i]) {
-        out.set(i, rest_test_[i].due(steps_[i]) && rests(i));
-      }
+      if (out[i]) out.set(i, rest_test_[i].due(steps_[i]) && rests(i));
     return out;
   }
   [[gnu::noinline]] bool rests(int i) {

@@ -145,14 +145,27 @@ Motion read_motion(const std::string& path) {
   return motion;
 }
 
+namespace {
+
+/// An angle of a motion, at most a turn either way.
+double joint_angle(TomlSection& s, const std::string& key) {
+  constexpr double kTurn = 360;  // [deg]
+  const double phi = s.angle(key);
+  if (s.has(key + "_deg") && std::abs(phi) > kTurn * kDegree)
+    s.fail(key + "_deg", shortest(phi * kDegrees) + ": degrees from -360 to 360 are needed");
+  return phi;
+}
+
+}  // namespace
+
 Motion read_motion(TomlSection& s, std::optional<TomlSection> r) {
-  Motion motion{s.angle("phi_i"), s.angle("phi_f"), s.number("duration", Range::positive())};
+  Motion motion{joint_angle(s, "phi_i"), joint_angle(s, "phi_f"), s.number("duration", Range::positive())};
   const std::vector<double> bumps = s.optional_list("bumps_deg", kMaxBumps, Range::any());
   for (std::size_t k = 0; k < bumps.size(); ++k) motion.bumps[k] = bumps[k] * kDegree;
   motion.gain_p = s.optional_number("gain_p", Range::non_negative()).value_or(1);
   motion.gain_d = s.optional_number("gain_d", Range::non_negative()).value_or(1);
   if (!r) return motion;
-  motion.reposition = Reposition{r->angle("phi"), r->optional_rate("rate").value_or(0),
+  motion.reposition = Reposition{joint_angle(*r, "phi"), r->optional_rate("rate").value_or(0),
                                  r->number("from", Range::non_negative()), r->number("to", Range::positive())};
   if (!(motion.reposition->to > motion.reposition->from))
     r->fail("to", shortest(motion.reposition->to) + " s: later than `from` is needed");

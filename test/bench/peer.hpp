@@ -1,6 +1,6 @@
 // What a landing needs beside an integrator, for the peers: its start, its modes, where a guard falls through zero
-// inside a step, and where |ddr_0| is largest. Written apart from landing/body/body_follow.hpp, so that the two check each
-// other; only the equations of landing/body/body_system.hpp are shared.
+// inside a step, and where |ddr_0| is largest. Written apart from landing/body/body_follow.hpp, so that the two check
+// each other; only the equations of landing/body/body_system.hpp are shared.
 #pragma once
 
 #include <algorithm>

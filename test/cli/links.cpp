@@ -382,8 +382,8 @@ TEST_CASE("drops as they were measured are played and planned for, of a robot of
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  const std::string can = "simulate, optimize, risk, compare, map, calibrate, atlas, trade, robot";
-  check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
+  check_refused(f, {"optimize", kHopper, "--solver", "de"},
+                {"--solver: of the paper's robot alone; robots of links are planned without it"});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});
@@ -402,6 +402,12 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
       check_refused(f, plan + Arguments{"slips.toml", "--release-from", "0.25"},
                     {"--release-from: 0.25 s: ", "before the first touchdown, at 0.24"});
   }
+  f.write("turns.toml", slips + "0.1\nhip.rate_deg = 40\n");  // the fall is integrated
+  check_refused(f, {"optimize", "turns.toml", "--release-from", "0.28"},
+                {"--release-from: 0.28 s: ", "before the first touchdown, at 0.2"});
+  check_refused(f, {"risk", kHopper, "--inflate", "101"}, {"--inflate: 101: 0 to 100 is needed"});
+  check_refused(f, {"optimize", kHopper, "--evaluations", "100", "--evaluations", "200"},
+                {"--evaluations: given more than once"});
   const std::string foot = read(dataset("robots/foot.toml"));  // here with a third drive
   f.write("leg.toml", foot.substr(0, foot.find("[drive.hip]")) +
                           "[drive.hip]\nfile = \"table2.toml\"\n[drive.knee]\nfile = \"table2.toml\"\n"
@@ -411,7 +417,6 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
                             "ankle = { phi_deg = [-30, 30], hold_deg = 0 }\n");
   check_refused(f, {"optimize", "scene.toml", "--bumps", "4", "--landing-gains", "0.5:2"},
                 {"25 variables for 3 driven joints", "at most 20"});
-  check_refused(f, {"optimize", kHopper, "--solver", "de"}, {"--solver: ", can});
   check_refused(f, {"simulate", kHopper, "--drop-from", "x.csv"}, {"--drop-from: 'x.csv': FILE:ROW is needed"});
   check_refused(f, {"risk", kHopper, "--forbid", "kne"}, {"--forbid: 'kne'", "did you mean"});
   check_refused(f, {"risk", kHopper, "--hold", "-45"}, {"--hold: '-45': ", "NAME=VALUE"});
@@ -447,6 +452,11 @@ TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, 
   warned({"optimize", paper, "--actuator", kTable2, "--evaluations", "50", "--release-phi", "-0.78"},
          "--release-phi: -0.78: degrees");
   warned({"optimize", hopper, "--robust", "mean", "--deadline", "0.5"}, "the scene has no [scatter]: ");
+  f.write("unrated.toml", replaced(read(kTable2), "speed_max", "# "));
+  f.write("robot.toml", replaced(replaced(read(dataset("robots/three_links.toml")), "../actuators/table2", "unrated"),
+                                 "../actuators/table2", dataset("actuators/table2")));
+  f.write("rated.toml", replaced(read(dataset("scenes/three_links.toml")), "../robots/three_links", "robot"));
+  warned({"simulate", "rated.toml"}, "unrated.toml: the motor's speed rating is unknown (speed_max)");
   CHECK_THAT(done(f, {"optimize", hopper, "--robust", "mean", "--deadline", "0.5", "-o", "out"}).out,
              Contains("Over the drops that it is planned for "));
   f.write("loose.toml", replaced(read(kTable2), "c_sea", "c_sea = 0.001 #"));

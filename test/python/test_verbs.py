@@ -334,6 +334,8 @@ def test_ratings_of_links(hopper, tmp_path):
             ukemi.ratings(hopper, speeds)
     with pytest.raises(ukemi.InputError, match="vary: 'drive.knee.speed_max': respect_ratings is needed"):
         ukemi.trade(hopper, {"drive.knee.speed_max": [4, 8]})
+    with pytest.raises(ukemi.InputError, match="respect_ratings: no drive has"):
+        ukemi.optimize(hopper, evaluations=50, respect_ratings=True)
 
 
 def test_compare_of_links(tmp_path):

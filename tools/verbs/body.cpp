@@ -55,11 +55,12 @@ std::vector<GivenDrive> drives_of(const std::vector<std::string>& given, const s
 
 namespace {
 
-/// Makes the files of a scene inputs of the run; warns of constants of drives that their fits did not trust.
+/// Makes the files of a scene inputs of the run; warns of constants of drives that their fits did not trust, and of
+/// unknown ratings.
 void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   run.input(path);
   if (!scene.robot_file.empty()) run.input(scene.robot_file);
-  for (const std::string& drive : scene.drive_files) (void)actuator_of(drive, run);
+  for (const std::string& drive : scene.drive_files) warn_of_unknown_ratings(actuator_of(drive, run), drive, run);
 }
 
 /// The motion that holds every driven joint: as in the scene, or at NAME=DEG,... without a move in the air; with a
@@ -97,14 +98,6 @@ BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run)
 }
 
 }  // namespace
-
-void refuse(bool given, const char* option) {
-  if (given)
-    throw InputError(fmt::format(
-        "{}: it is not for robots of links; what takes them: simulate, optimize, risk, compare, map, calibrate, atlas, "
-        "trade, robot",
-        option));
-}
 
 std::optional<double> checked_height(const std::optional<double>& height) {
   if (height && !(*height >= 0 && *height <= 1e4))
@@ -146,13 +139,18 @@ Texts edited_texts(const std::string& path, const std::vector<std::string>& actu
 
 namespace {
 
-/// Throws InputError where the references may move from the first touchdown on alone, whose time is exact if nothing
-/// turns at release.
+/// The first touchdown of a robot whose references never move; infinite without one [s].
+double touchdown_of_held(const BodyScene& scene) {
+  const std::vector<BodyRelease::Joint>& joints = scene.release->joints;
+  const bool turns = scene.drop.pitch_rate != 0 ||
+                     std::any_of(joints.begin(), joints.end(), [](const BodyRelease::Joint& j) { return j.rate != 0; });
+  return turns ? peak_acceleration(scene, held_posture(scene)).contacts.first() : fall_time(scene);
+}
+
+/// Throws InputError where the references may move from the first touchdown on alone.
 void check_release(const BodyScene& scene, const std::string& key) {
-  if (!scene.release || scene.drop.pitch_rate != 0) return;
-  for (const BodyRelease::Joint& j : scene.release->joints)
-    if (j.rate != 0) return;
-  if (const double fall = fall_time(scene); !(scene.release->from < fall))
+  if (!scene.release) return;
+  if (const double fall = touchdown_of_held(scene); !(scene.release->from < fall))
     throw InputError(fmt::format("{}: {} s: a time before the first touchdown, at {:.6g} s, is needed", key,
                                  shortest(scene.release->from), fall));
 }
@@ -206,12 +204,7 @@ void apply_release(const FreedomArguments& a, BodyScene& scene) {
 }  // namespace
 
 void keep_ratings(BodyScene& scene, Run& run) {
-  const std::vector<std::string> without = respect_ratings(scene);
-  const auto driven =
-      std::count_if(scene.robot.joints.begin(), scene.robot.joints.end(), [](const Joint& j) { return j.driven(); });
-  if (long(without.size()) == driven)
-    throw InputError("--respect-ratings: no drive has speed_max or motor_torque_max: there is no rating to keep");
-  for (const std::string& joint : without)
+  for (const std::string& joint : respect_ratings(scene, "--respect-ratings"))
     run.warn(fmt::format("--respect-ratings: the drive of {} has neither speed_max nor motor_torque_max", joint));
 }
 
@@ -225,11 +218,12 @@ std::optional<Scatter> scatter_of(const ScatterArguments& a) {
   return a.scatter ? std::optional(parse_scatter("--scatter", *a.scatter)) : std::nullopt;
 }
 double inflate_of(const ScatterArguments& a, const BodyScene& scene, Run& run) {
+  const double out = checked_inflate(a);
   if (a.inflate && !scene.robot.fitted() && !scene.identified)
     run.warn(
         "--inflate makes no difference: no drive's file holds [uncertainty] and no robot's [identified], so their "
         "constants do not scatter");
-  return checked_inflate(a);
+  return out;
 }
 
 namespace {
@@ -325,6 +319,10 @@ std::shared_ptr<const std::vector<BodyDrop>> measured_drops(const ScatterArgumen
 }
 
 BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
+  const auto refuse = [](bool given, const char* option) {
+    if (given)
+      throw InputError(fmt::format("{}: of the paper's robot alone; robots of links are planned without it", option));
+  };
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);

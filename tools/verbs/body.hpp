@@ -42,7 +42,6 @@ void refuse_set(const std::vector<std::string>& set);
 landing::Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
                             const std::optional<double>& height, const std::vector<std::string>& set);
 /// Throws InputError where an option is `given` that robots of links do not support.
-void refuse(bool given, const char* option);
 /// Applies --bumps, --landing-gains and --release-... to the scene. Throws InputError.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene, Run& run);
 /// Warns where two drives differ in their feedback.

@@ -127,7 +127,7 @@ int run_trade(const TradeArguments& a, const CommonOptions& common) {
   const BodyScene scene = scene_to_plan(a.plan, run);
   TradeOptions options{.search = plan_options(a.plan, common, scene, run)};
   if (a.plan.ratings == OptimizeArguments::Ratings::kRespect)
-    options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
+    options.prepare = [](BodyScene& s) { (void)respect_ratings(s, "--respect-ratings"); };
   options.monitor = run.monitor("trade", "plans");
   const std::vector<TradeAxis> axes = axes_of(a, scene);
   const std::optional<FrontArguments> front = a.pareto.empty() ? std::nullopt : std::optional(front_of(a.pareto));
