@@ -152,7 +152,7 @@ double joint_angle(TomlSection& s, const std::string& key) {
   constexpr double kTurn = 360;  // [deg]
   const double phi = s.angle(key);
   if (s.has(key + "_deg") && std::abs(phi) > kTurn * kDegree)
-    s.fail(key + "_deg", shortest(phi * kDegrees) + ": degrees from -360 to 360 are needed");
+    s.fail(key + "_deg", fmt::format("{:.10g}", phi * kDegrees) + ": degrees from -360 to 360 are needed");
   return phi;
 }
 

@@ -188,7 +188,7 @@ TEST_CASE("a malformed TOML file is refused with file, line and column") {
                   {"motion.toml:2:9: ", "phi_i: -27.2: ", "'phi_i_deg'"});
     f.write("motion.toml", "[motion]\nphi_i_deg = -27.2\nphi_f_deg = 1e9\nduration = 0.169\n");
     check_refused(f, Arguments{"simulate", kPaper, "--actuator", kTable2, "--motion", "motion.toml"} + kOut,
-                  {"motion.toml:3:13: ", "phi_f_deg: 1e+09: ", "-360 to 360"});
+                  {"motion.toml:3:13: ", "phi_f_deg: 1000000000: ", "-360 to 360"});
   }
 }
 

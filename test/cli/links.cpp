@@ -455,7 +455,7 @@ TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, 
   f.write("unrated.toml", replaced(read(kTable2), "speed_max", "# "));
   f.write("robot.toml", replaced(replaced(read(dataset("robots/three_links.toml")), "../actuators/table2", "unrated"),
                                  "../actuators/table2", dataset("actuators/table2")));
-  f.write("rated.toml", replaced(read(dataset("scenes/three_links.toml")), "../robots/three_links", "robot"));
+  f.write("rated.toml", replaced(read(dataset("scenes/three_links.toml")), "\"../robots/three_links", "\"robot"));
   warned({"simulate", "rated.toml"}, "unrated.toml: the motor's speed rating is unknown (speed_max)");
   CHECK_THAT(done(f, {"optimize", hopper, "--robust", "mean", "--deadline", "0.5", "-o", "out"}).out,
              Contains("Over the drops that it is planned for "));

@@ -67,10 +67,9 @@ TEST_CASE("legs: a map that is stopped tells what was not played") {
   SurveyOptions options;
   options.map.cells = {4, 1, 1, 3, 1}, options.map.threads = 1;
   long rows = 0;
-  options.map.monitor = {[&](long done, long) { rows = done; }, [&] { return rows >= 5; }};
+  options.map.monitor = {[&](long done, long) { rows = done; }, [&] { return rows >= 2; }};
   options.basins = options.map.monitor;
   const BodySurvey s = survey(scene, options);
-  CHECK(s.missing >= 6);
-  CHECK(s.missing <= 7);
+  CHECK(s.missing == 6);  // two rows of three were played
   CHECK(s.basins.empty());
 }
