@@ -428,6 +428,11 @@ TEST_CASE("what a verb cannot do for a robot of links is refused in a line that 
                 {"one file is needed"});
 }
 
+TEST_CASE("contacts that touch at one instant are all told, in their order") {
+  const Folder f;
+  CHECK_THAT(done(f, {"simulate", kFoot, "--no-report", "-o", "out"}).out, Contains(" heel, toe, heel, head, "));
+}
+
 TEST_CASE("what was perhaps meant otherwise is told of a robot of links: units, drives, what a number cannot change") {
   const Folder f;
   const std::string hopper = dataset("scenes/hopper.toml"), paper = dataset("scenes/paper.toml");

@@ -88,7 +88,7 @@ void bind_landing_class(py::module_& m) {
            [](auto& p) { return p.checked.landing.demands.motor_torque; });
   c.def("__repr__", [](const Played& p) {
     return fmt::format("<ukemi.Landing: peak {:.6g} m/s^2 at {:.4g} s, {}>", p.checked.landing.peak,
-                       p.checked.landing.t_peak, tools::contact_order(p.checked.landing.peaks));
+                       p.checked.landing.t_peak, tools::contact_order(p.checked.landing.contacts));
   });
   bind_figure(
       c,

@@ -39,7 +39,7 @@ Quantities<BodyPlan> plan_quantities(const BodyScene& scene, const BodyPlan& pla
         [of_value = rated(scene)](auto& p) {
           return 1 - (of_value ? p.value / p.held_value : p.landing.peak / p.held.peak);
         }},
-       {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.peaks, contact_name(robot)); }},
+       {"", "", "contacts", {}, [&robot](auto& p) { return contact_order(p.landing.contacts, contact_name(robot)); }},
        {"", "evaluations", landings ? "landings" : "motions evaluated", {}, &BodyPlan::evaluations}});
   if (goal != "peak") {
     const std::string unit = fmt::format(" [{}]", unit_of(scene));
@@ -241,7 +241,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     summary["joints"] = joints_json(scene, plan.motion, plan.landing);
     if (!extras.logged.empty())
       summary["logged"] = {{"peak_acceleration", extras.logged}, {"median", median(extras.logged)}};
-    const std::string contacts = contact_order(plan.landing.peaks, contact_name(robot));
+    const std::string contacts = contact_order(plan.landing.contacts, contact_name(robot));
     const bool held = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
     say(first_screen(scene, plan, options, extras.logged),
         {(held ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),

@@ -73,9 +73,10 @@ Quantities<Touch> contact_quantities(const PointName& name, const std::string& a
 }
 Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
 
-std::string contact_order(const std::vector<Peak>& peaks, const PointName& name) {
+std::string contact_order(const ContactOrder& contacts, const PointName& name) {
   std::string s;
-  for (const Peak& p : contact_peaks(peaks)) s += (s.empty() ? "" : ", ") + name(p.point);
+  for (int i = 0; i < contacts.size(); ++i) s += (s.empty() ? "" : ", ") + name(contacts[i]);
+  if (contacts.size() == ContactOrder::kCapacity) s += ", ...";
   return s.empty() ? "none" : s;
 }
 std::string failure_words(const RunEnd& r, const char* point) {

@@ -45,8 +45,8 @@ Json motion_json(const landing::Motion& motion);
 /// A motion on one line.
 std::string motion_words(const landing::Motion& motion);
 Json contacts_json(const landing::Landing& landing);
-/// "foot, knee, hip": the points in the order of their peaks; chatter left out.
-std::string contact_order(const std::vector<landing::Peak>& peaks, const PointName& name = point_name);
+/// "foot, knee, hip": the points in the order of their touchdowns; chatter left out.
+std::string contact_order(const landing::ContactOrder& contacts, const PointName& name = point_name);
 /// Quantities of a checked landing. `acceleration`: its symbol; points_of(checked): names of its points; `own`: of this
 /// kind of robot.
 template <class Checked>
@@ -64,7 +64,7 @@ Quantities<Checked> checked_quantities(const std::string& acceleration, PointNam
       {"", "sensitivity", checked(&Sensitivity::change)}};
   out.insert(out.end(), own.begin(), own.end());
   out.insert(out.end(),
-             {{"", "", "contacts", {}, [=](auto& c) { return contact_order(c.landing.peaks, points_of(c)); }},
+             {{"", "", "contacts", {}, [=](auto& c) { return contact_order(c.landing.contacts, points_of(c)); }},
               {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
               {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
               {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},

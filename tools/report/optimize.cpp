@@ -60,16 +60,19 @@ Quantities<Answer> answer_quantities(const Answer& answer) {
                    [](auto& a) { return a.limit->first_contact; }});
     out.push_back({"", "limit/first_contact_phi_deg", [](auto& a) { return a.limit->first_contact_phi * kDegrees; }});
   }
-  out.insert(
-      out.end(),
-      {
-          {"", "", "contacts", {}, [](auto& a) { return a.played() ? contact_order(a.landing.peaks) : "not played"; }},
-          {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
-          {"", "landings", "landings played", {}, [](auto& a) { return a.best.landings; }},
-          {"", "solver", [](auto& a) { return a.best.solver; }},
-          {"", "verified", [](auto& a) { return a.best.verified; }},
-          {"", "joint_lost", [](auto& a) { return a.played() ? Json(a.landing.joint_lost) : Json(); }},
-      });
+  out.insert(out.end(),
+             {
+                 {"",
+                  "",
+                  "contacts",
+                  {},
+                  [](auto& a) { return a.played() ? contact_order(a.landing.contacts) : "not played"; }},
+                 {"", "evaluations", "motions evaluated", {}, [](auto& a) { return a.best.evaluations; }},
+                 {"", "landings", "landings played", {}, [](auto& a) { return a.best.landings; }},
+                 {"", "solver", [](auto& a) { return a.best.solver; }},
+                 {"", "verified", [](auto& a) { return a.best.verified; }},
+                 {"", "joint_lost", [](auto& a) { return a.played() ? Json(a.landing.joint_lost) : Json(); }},
+             });
   return out;
 }
 
@@ -356,7 +359,7 @@ int report(const Answer& a, double rate, const Exports& exports, Run& run) {
     summary = summary_of(a, run);
     if (a.ratings) warn_of(landing_doubts(*a.ratings), run);
     if (a.scattered && a.scatter && a.scatter_assumed) warn_of_assumed(*a.scatter, run);
-    const std::string contacts = a.played() ? contact_order(a.landing.peaks) : "";
+    const std::string contacts = a.played() ? contact_order(a.landing.contacts) : "";
     say(first_screen(a),
         {"motion: " + motion_words(a.best.motion),
          contacts.empty() ? "its landing was not played: no time" : "contacts: " + contacts},

@@ -50,10 +50,10 @@ std::string peak_contact(const Landing& l) {
 std::vector<Fact> facts(const Scene& scene, const SeaParameters<double>& table2, const Optimum& best) {
   const SimulateOptions tight{.accuracy = 1e-12};
   const Landing held = simulate(scene, table2, kHeld, tight), played = simulate(scene, table2, best.motion, tight);
-  const std::string order = contact_order(played.peaks), published = "foot, foot, knee, knee, foot";
+  const std::string order = contact_order(played.contacts), published = "foot, foot, knee, knee, foot";
   std::vector<Fact> out = {
       {"held at -45 deg: peak [m/s^2]", "466", fmt::format("{:.9g}", held.peak), ""},
-      {"held at -45 deg: contacts", "foot, knee, hip, knee, foot", contact_order(held.peaks), ""},
+      {"held at -45 deg: contacts", "foot, knee, hip, knee, foot", contact_order(held.contacts), ""},
       {"held at -45 deg: peak at contact", "3", peak_contact(held), ""},
       {"best motion: peak [m/s^2]", "181", fmt::format("{:.5g}", played.peak),
        "a cliff stands beside it: see the next line"},
