@@ -216,7 +216,8 @@ TEST_CASE("a root without mass is no link: its joint says how the base moves") {
   Json s = summary_of(f, replaced(kLeg, head, head + world), {"--normal", "y"});
   CHECK(s["links"].size() == 3);
   CHECK(s["links"][0]["name"] == "base");
-  CHECK_THAT(told(s, "base", "base"), Contains("joint lift (prismatic) on world, which has no mass, is the base's"));
+  CHECK_THAT(told(s, "base", "base"), Contains("joint lift (prismatic) on world, which has no mass, is the base's") &&
+                                          Contains("its limits, 0 to 1 m, are left out: ") && Contains("[stop.rail]"));
   std::string pin = replaced(world, "prismatic", "continuous");
   pin = replaced(pin, "0 0 1", "0 1 0");
   s = summary_of(f, replaced(kLeg, head, head + pin), {"--normal", "y"});

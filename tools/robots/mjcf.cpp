@@ -96,6 +96,8 @@ SpatialJoint joint_at(const mjModel& m, int j) {
   out.name = name_of(m, mjOBJ_JOINT, j);
   out.type = type == mjJNT_HINGE ? "hinge" : type == mjJNT_SLIDE ? "slide" : type == mjJNT_BALL ? "ball" : "free";
   out.motion = type == mjJNT_HINGE ? kTurns : type == mjJNT_FREE ? kFloats : kOther;
+  if (type == mjJNT_SLIDE && m.jnt_limited[j])
+    out.travel = {m.jnt_range[2 * j] - m.qpos0[q], m.jnt_range[2 * j + 1] - m.qpos0[q]};
   if (type != mjJNT_HINGE) return out;
   out.axis = vector_at(m.jnt_axis, j).normalized(), out.anchor = vector_at(m.jnt_pos, j);
   if (m.jnt_limited[j]) out.lower = m.jnt_range[2 * j] - m.qpos0[q], out.upper = m.jnt_range[2 * j + 1] - m.qpos0[q];

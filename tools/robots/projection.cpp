@@ -159,13 +159,19 @@ class Projector {
         note("base", body(c).name, fmt::format("fixed on {}, which has no mass", body(base_).name));
       else if (pin_ < 0 || base() != Base::kPinned)
         note("base", body(c).name,
-             fmt::format("joint {} ({}) on {}, which has no mass, is the base's: --base says how it moves", j.name,
-                         j.type, body(base_).name));
+             fmt::format("joint {} ({}) on {}, which has no mass, is the base's: --base says how it moves{}", j.name,
+                         j.type, body(base_).name, travel_words(j)));
       kept_[std::size_t(c)] = false;
     }
     if (base() != Base::kPinned) pin_ = -1;
   }
 
+  /// What becomes of the limits of a joint that slides.
+  static std::string travel_words(const SpatialJoint& j) {
+    if (!j.travel) return "";
+    return fmt::format("; its limits, {:.4g} to {:.4g} m, are left out: of a robot on a rail [stop.rail] has them",
+                       (*j.travel)[0], (*j.travel)[1]);
+  }
   /// Warns unless the base is free: a fixed joint on a massless body other than "world" often just names a frame.
   void warn_of_base(int child) {
     const SpatialJoint& j = body(child).joint;
@@ -227,8 +233,8 @@ class Projector {
       reason = fmt::format("its axis {} is {:.3g} deg off the normal", vector_words(axis(i)), off_normal(i) * kDegrees);
     const bool outside = b.joint.lower.value_or(0) > 0 || b.joint.upper.value_or(0) < 0;
     note("locked", b.joint.name,
-         fmt::format("{} at 0{}, {} on {}: {}; {}", b.joint.type, outside ? ", which is outside of its limits" : "",
-                     b.name, on, reason, b.inertia.mass > 0 ? mass + " merged" : "no mass"));
+         fmt::format("{} at 0{}, {} on {}: {}; {}{}", b.joint.type, outside ? ", which is outside of its limits" : "",
+                     b.name, on, reason, b.inertia.mass > 0 ? mass + " merged" : "no mass", travel_words(b.joint)));
   }
 
   /// Sets inertia and origin of each part; checks that both mass and inertia are positive.

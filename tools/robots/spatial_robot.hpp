@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct SpatialJoint {
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   ///< of length 1
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  ///< [m]
   std::optional<double> lower, upper;                ///< of the angle [rad]
+  std::optional<std::array<double, 2>> travel;       ///< limits of a joint that slides [m]
   std::optional<double> effort, speed;               ///< maximum of its motor [Nm], [rad/s]; > 0
   double damping = 0, friction = 0, armature = 0;    ///< [Nm/(rad/s)], [Nm], [kg m^2]; >= 0
   double stiffness = 0, rest = 0;                    ///< of a spring in the joint [Nm/rad], >= 0; [rad]

@@ -78,6 +78,7 @@ SpatialJoint joint_of(const urdf::Joint& from) {
   if (out.axis.norm() > 0) out.axis.normalize();
   if (from.limits) {
     if (from.type == urdf::Joint::REVOLUTE) out.lower = from.limits->lower, out.upper = from.limits->upper;
+    if (from.type == urdf::Joint::PRISMATIC) out.travel = {from.limits->lower, from.limits->upper};
     if (from.limits->effort > 0) out.effort = from.limits->effort;
     if (from.limits->velocity > 0) out.speed = from.limits->velocity;
   }
