@@ -3,6 +3,7 @@
 #include "landing/atlas/atlas_table.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/release.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 namespace ukemi::landing {
 
@@ -20,7 +21,7 @@ struct AtlasReader::Table {
   ReferenceSpace space;
   Options options;
   AtlasTable atlas;
-  Objective objective;
+  TwoLinkObjective objective;
 };
 
 AtlasEntry AtlasReader::Table::best_of(std::span<const std::size_t> drops) {

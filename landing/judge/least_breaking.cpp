@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "common/parallel.hpp"
+#include "landing/run/simulate.hpp"
 #include "landing/search/population.hpp"
+#include "landing/search/robust.hpp"
 
 namespace ukemi::landing {
 

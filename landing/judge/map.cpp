@@ -10,6 +10,7 @@
 #include "landing/judge/survey.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/search.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 namespace ukemi::landing {
 
@@ -95,7 +96,7 @@ Candidate descend(const Scene& scene, const MotionSpace& space, const PeakMap& m
   constexpr int kPopulation = 20;
   constexpr long kMotions = 3000;
   constexpr double kConverged = 1e-7;
-  Objective objective(scene, space, {.stop = options.monitor.stop});
+  TwoLinkObjective objective(scene, space, {.stop = options.monitor.stop});
   Search search(objective, {.motions = kMotions, .work = work_allowed(1, kMotions), .hold = 0}, options.seed + n);
   Random random(options.seed, n);
   std::vector<Candidate> population(kPopulation, search.centre()), trials = population;

@@ -7,10 +7,7 @@
 
 #include "common/parallel.hpp"
 #include "landing/body/load.hpp"
-#include "landing/derivatives/body_gradient.hpp"
 #include "landing/scatter/sampler.hpp"
-#include "landing/search/nlopt_solver.hpp"
-#include "landing/search/population.hpp"
 
 namespace ukemi::landing {
 
@@ -29,7 +26,7 @@ bool Valuation::next(BodyBatchCase& c) {
 void Valuation::done(const BodyLanding& l) {
   const bool counts = drop_ < goal_->counted, last = drop_ + 1 == goal_->drops.size();
   if (drop_ == 0) first_contact_ = l.contacts.first_point();
-  ++played_, ++drop_;
+  ++played_, ++drop_, flew_ += l.end == End::kNoContact;
   if (no_landing(l.end) || (l.broken && ++broken_ > goal_->allowed_broken())) return finish(kNoMotion);
   if (counts) {
     peaks_[drop_ - 1] = worth(goal_->drops[drop_ - 1].scene, l);
@@ -130,60 +127,14 @@ long judging_drops(const BodyPlanOptions& options) {
   return std::max(options.judging, long(std::bit_ceil(std::uint64_t(std::ceil(needed - 1e-6)))));
 }
 
-Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options) {
+Judged judged(const BodyGoal& judge, const BodyMotion& motion, double accuracy, int threads,
+              const std::function<bool()>* over) {
   std::vector<BodyDrop> drops = judge.drops;
   for (BodyDrop& d : drops) d.scene.ends_broken = false;
-  PeaksOver over = peaks_over(drops, motion, options.measure ? kSearchAccuracy : options.accuracy, options.threads);
-  const double v = judge.measure.of(std::span(over.peaks).first(judge.counted));
-  return {std::isfinite(v) ? v : kNoMotion, over.broken <= judge.allowed_broken()};
-}
-
-void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,
-                         int threads, const std::function<bool(const Coordinates&)>& play) {
-  constexpr double kConverged = 1e-7;
-  const int per_drop = goal.single() ? 6 : 2, n = space.dimension();
-  const std::vector<BodyParameter> parameters = space.parameters();
-  const auto peaks = [&](const double* x, double* a, double* gradient) {
-    const Coordinates u = Eigen::Map<const Eigen::VectorXd>(x, n);
-    if (!play(u)) return false;
-    const BodyMotion motion = space.motion(u);
-    // Padded to a fixed number of constraints; those beyond the maxima found, 0 <= s, always hold.
-    std::fill_n(a, std::size_t(per_drop) * goal.counted, 0.0);
-    std::fill_n(gradient, std::size_t(per_drop * n) * goal.counted, 0.0);
-    parallel_for(int(goal.counted), threads, [&](int drop_index) {
-      const auto k = std::size_t(drop_index);
-      const BodyDrop& drop = goal.drops[k];
-      const BodyGradients g =
-          gradients(drop.scene, drop.played(motion), parameters, {.accuracy = kSearchAccuracy}, per_drop);
-      std::vector<std::pair<double, const BodyPeakGradient*>> rows;  // with their ratings, sorted by value / rating
-      if (!rated(drop.scene))
-        for (const BodyPeakGradient& p : g.peaks) rows.push_back({1, &p});
-      for (std::size_t i = 0; i < g.loads.size(); ++i)
-        for (const BodyPeakGradient& p : g.loads[i])
-          if (!drop.scene.loads[i].limit) rows.push_back({drop.scene.loads[i].rating, &p});
-      std::erase_if(rows, [](const auto& row) { return !row.second->d.allFinite(); });
-      std::stable_sort(rows.begin(), rows.end(), [](const auto& one, const auto& other) {
-        return one.second->value / one.first > other.second->value / other.first;
-      });
-      for (std::size_t i = 0; i < std::min(rows.size(), std::size_t(per_drop)); ++i) {
-        const auto [rating, peak] = rows[i];
-        const std::size_t row = k * std::size_t(per_drop) + i;
-        a[row] = peak->value / rating;
-        for (int j = 0; j < n; ++j) {
-          const Variable& v = space.variables()[std::size_t(j)];
-          gradient[row * std::size_t(n) + std::size_t(j)] = peak->d[j] * (v.upper - v.lower) / rating;
-        }
-      }
-    });
-    return true;
-  };
-  minimize_epigraph({per_drop * int(goal.counted),
-                     peaks,
-                     std::vector<double>(std::size_t(n), 0),
-                     std::vector<double>(std::size_t(n), 1),
-                     {start.begin(), start.end()},
-                     value},
-                    kConverged);
+  const PeaksOver all = peaks_over(drops, motion, accuracy, threads, over);
+  std::vector<double> peaks = all.peaks;
+  const double v = judge.measure.of(std::span(peaks).first(judge.counted));
+  return {std::isfinite(v) ? v : kNoMotion, all.broken <= judge.allowed_broken()};
 }
 
 }  // namespace ukemi::landing

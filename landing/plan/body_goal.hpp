@@ -38,6 +38,8 @@ class Valuation {
   void done(const BodyLanding& landing);
   double value() const { return value_; }
   long played() const { return played_; }
+  /// Landings that never touched the floor.
+  long flew() const { return flew_; }
   /// The contact that touches first in the first drop; -1: none, or it was not played.
   int first_contact() const { return first_contact_; }
 
@@ -49,7 +51,7 @@ class Valuation {
   double bound_, value_;
   std::vector<double> peaks_;
   std::size_t drop_ = 0;
-  long played_ = 0, broken_ = 0;
+  long played_ = 0, flew_ = 0, broken_ = 0;
   int first_contact_ = -1;
   bool finished_ = false;
 };
@@ -82,12 +84,12 @@ struct Judged {
   double value;       ///< kNoMotion where one of them cannot be followed
   bool keeps_limits;  ///< in the required share of them
 };
-Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options);
 
-/// Descends from a point by exact gradients, for a goal whose measure is the largest peak: the paper's SQP on min s
-/// subject to a_k(u) <= s, a_k the largest local maxima of the goal's landings. `play` evaluates each point reached, as
-/// the search does; false stops.
-void descend_by_gradient(const BodyGoal& goal, const BodySpace& space, const Coordinates& start, double value,
-                         int threads, const std::function<bool(const Coordinates&)>& play);
+Judged judged(const BodyGoal& judge, const BodyMotion& motion, double accuracy, int threads,
+              const std::function<bool()>* over = nullptr);
+/// At the accuracy of a plan: under a measure that of the search.
+inline Judged judged(const BodyGoal& judge, const BodyMotion& motion, const BodyPlanOptions& options) {
+  return judged(judge, motion, options.measure ? kSearchAccuracy : options.accuracy, options.threads);
+}
 
 }  // namespace ukemi::landing

@@ -39,12 +39,12 @@ const Descent& descent_of(const Fidelity& fidelity) { return fidelity.goal == Go
 
 }  // namespace
 
-GoalProfile profile_of(const Objective::Options& options, double budget) {
+GoalProfile profile_of(const Objective& objective, double budget) {
   constexpr double kLarge = 2.5e5;  // landings; with fewer a stage by the peak costs too much and misses basins
   const Fidelity peak = Goal::kPeak;
-  if (options.goal == Goal::kPeak) return {peak};
-  if (options.goal == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
-  const std::size_t drops = options.robust->measure.kind == Measure::Kind::kMean ? 4 : 8;  // of a tail
+  if (objective.goal() == Goal::kPeak) return {peak};
+  if (objective.goal() == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
+  const std::size_t drops = objective.measure()->kind == Measure::Kind::kMean ? 4 : 8;  // of a tail
   const GoalProfile::Stage few_drops{{Goal::kRobust, drops}, budget < kLarge ? 0.75 : 0.6};
   if (budget < kLarge) return {Goal::kRobust, {{few_drops}}, 0.2, true, 5};
   return {Goal::kRobust, {{{peak, 0.15}, few_drops}}, 0.2, true};
@@ -62,9 +62,10 @@ AutoSearch::~AutoSearch() = default;
 
 void AutoSearch::run(Search& search) {
   search_ = &search;
-  profile_ = profile_of(search.objective().options(), search.expected_total());
+  profile_ = profile_of(search.objective(), search.expected_total());
   random_ = Random(search.seed);
   populations_ = 0;
+  refined_ = Coordinates();
   basins_.clear();
   fidelity_ = profile_.goal;
   run_from_warm_starts();
@@ -110,7 +111,9 @@ void AutoSearch::run_from_incumbents() {
   }
   if (starts_.empty()) return;
   if (!uses_population())
-    return descend(Coordinates(starts_[0].u), descent_of(fidelity_).size, kUnlimited, OnKnownBasin::kContinue);
+    return starts_.for_each_contact([this](const Candidate& start) {
+      if (!over()) descend(start.u, descent_of(fidelity_).size, kUnlimited, OnKnownBasin::kContinue);
+    });
   population_.assign(basins_.begin(), basins_.end());
   basins_.clear();
   evolve_population(false);
@@ -171,6 +174,8 @@ void AutoSearch::hop() {
   constexpr double kNarrowest = -2, kWidest = -0.7;       // log10 of a run's initial size
   constexpr double kFinest = -3, kFine = -1.3;            // the same over all drops, which cost most
   constexpr double kShare = 0.1, kPopulationShare = 0.2;  // of the budget, for scouts at most
+  constexpr double kLate = 0.85;                          // of the budget: then the best is refined
+  if (search_->share() > kLate && search_->objective().refines() && refine_best()) return;
   const long scouts = profile_.scout_factor * descent_of(fidelity_).scouts;
   if (profile_.smooth && search_->objective().exact(fidelity_) && !basins_.empty())
     return descend(Coordinates(basins_[0].u), std::pow(10.0, random_.uniform(kFinest, kFine)), kUnlimited,
@@ -184,8 +189,19 @@ void AutoSearch::hop() {
     return run_from_scouts(scouts, kPopulationShare, &centre);
   }
   const double size = std::pow(10.0, random_.uniform(kNarrowest, kWidest));
-  descend(perturbed(basins_[biased_index(random_, basins_.size())], size, random_).u, size, kUnlimited,
-          OnKnownBasin::kAbandon);
+  descend(perturbed(basins_.draw(random_), size, random_).u, size, kUnlimited, OnKnownBasin::kAbandon);
+}
+
+/// Descends from the best, by derivatives where there are some, then narrowly; false where that has been done.
+bool AutoSearch::refine_best() {
+  constexpr double kSize = 0.01;
+  const Candidate best = search_->best();
+  const bool done = refined_.size() == best.u.size() && best.u == refined_;
+  if (!(best.value < kNoMotion) || done) return false;
+  if (search_->objective().gradient_rows(fidelity_) > 0) descend_by_gradient(*search_, fidelity_, best);
+  descend(Coordinates(search_->best().u), kSize, kUnlimited, OnKnownBasin::kContinue);
+  refined_ = search_->best().u;
+  return true;
 }
 
 /// A run from the best of `motions` scouts around `centre` or uniform ones, at most `share` of the budget.
@@ -211,7 +227,8 @@ void AutoSearch::run_from_scouts(long motions, double share, const Coordinates* 
   }
   if (reevaluates) reevaluate_starts();
   if (starts_.empty()) return;
-  if (!uses_population()) return descend(Coordinates(starts_[0].u), descent.size, kUnlimited, OnKnownBasin::kAbandon);
+  if (!uses_population())
+    return descend(Coordinates(starts_.draw_best(random_).u), descent.size, kUnlimited, OnKnownBasin::kAbandon);
   population_.assign(starts_.begin(), starts_.begin() + std::min(members, starts_.size()));
   evolve_population(true);
 }
@@ -222,7 +239,7 @@ Candidate AutoSearch::draw(const Coordinates* centre) {
   constexpr double kSide = 0.15;
   Candidate p = search_->centre();
   for (int n = 0; n < kAttempts; ++n) {
-    p = random_point(random_, search_->objective().space().variables(), kNeutral);
+    p = random_point(random_, search_->objective().variables(), kNeutral);
     if (centre) p.u = (*centre + kSide * (p.u - Coordinates::Constant(p.u.size(), 0.5))).cwiseMax(0).cwiseMin(1);
     if (!basins_.beside(p, kNoMotion)) break;
   }
@@ -238,9 +255,10 @@ void AutoSearch::reevaluate_starts() {
   for (const Candidate& p : generation_) starts_.add(p);
 }
 
-/// Whether a run's best value exceeds that of the best basin by more than slack * patience^generation, relative.
-bool AutoSearch::lags(double value, double slack, double patience, int generation) const {
-  return value > basins_.lowest() * (1 + slack * std::pow(patience, generation));
+/// Whether a run's best value exceeds that of the best basin, of its first contact, by more than slack *
+/// patience^generation, relative.
+bool AutoSearch::lags(const Candidate& best, double slack, double patience, int generation) const {
+  return best.value > basins_.lowest(best) * (1 + slack * std::pow(patience, generation));
 }
 
 /// Differential evolution until the population has converged, lags behind the best basin, or is in a known one. It
@@ -256,7 +274,7 @@ void AutoSearch::evolve_population(bool may_abandon) {
     evolve([this](std::span<Candidate> p) { search_->evaluate(p, fidelity_); }, random_, population_, generation_, {});
     if (!may_abandon || n < kFree) continue;
     const bool gathered = spread(population_) < kGathered;
-    if (lags(best().value, kSlack, gathered ? kPatience : 1, n - kFree)) break;
+    if (lags(best(), kSlack, gathered ? kPatience : 1, n - kFree)) break;
     if (gathered && basins_.beside(best(), best().value)) break;
   }
   basins_.add(best());
@@ -291,7 +309,7 @@ void AutoSearch::descend(const Coordinates& start, double size, int generations,
     if (on_known == OnKnownBasin::kAbandon && n > kFree && distribution_->largest_deviation() < kBasinsApart &&
         basins_.beside(best, best.value))
       return;
-    if (n > kFree && lags(best.value, settings.slack, settings.patience, n - kFree)) break;
+    if (n > kFree && lags(best, settings.slack, settings.patience, n - kFree)) break;
   }
   basins_.add(best);
 }

@@ -40,7 +40,7 @@ struct GoalProfile {
   long scout_factor = 1;                ///< multiplies the scouts before a later run, where there are few runs
 };
 /// `budget`: motions, or landings under scatter.
-GoalProfile profile_of(const Objective::Options& options, double budget);
+GoalProfile profile_of(const Objective& objective, double budget);
 
 class CovarianceAdaptation;
 
@@ -60,11 +60,12 @@ class AutoSearch {
   void evaluate_best_basin();
   void refine_basins();
   void hop();
+  bool refine_best();
   void run_from_scouts(long motions, double share, const Coordinates* centre);
   void evolve_population(bool may_abandon);
   enum class OnKnownBasin { kContinue, kAbandon };
   void descend(const Coordinates& start, double size, int generations, OnKnownBasin on_known);
-  bool lags(double value, double slack, double patience, int generation) const;
+  bool lags(const Candidate& best, double slack, double patience, int generation) const;
   Candidate draw(const Coordinates* centre);
   void reevaluate_starts();
   bool over() const { return search_->over() || search_->share() >= end_share_; }
@@ -76,6 +77,7 @@ class AutoSearch {
   double end_share_ = 1;  ///< the share of the budget at which it ends, 0..1
   int populations_ = 0;   ///< started so far
   Random random_{0};
+  Coordinates refined_;  ///< the last start of a descent by derivatives
   std::unique_ptr<CovarianceAdaptation> distribution_;
   std::vector<Candidate> generation_, population_;
   Archive starts_, basins_, goal_basins_;  ///< goal_basins_: with values of the goal

@@ -1,20 +1,21 @@
-// The objective of a search: peak, tolerant peak or measure under scatter over a motion space, evaluated in batches.
+// What a search minimises, for any kind of robot: values of points of a box of variables, within a time and an amount
+// of work.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <memory>
+#include <optional>
 #include <span>
+#include <vector>
 
 #include "common/stopwatch.hpp"
-#include "landing/lanes/batch.hpp"
 #include "landing/model/motion_space.hpp"
 #include "landing/run/work.hpp"
-#include "landing/scatter/scattered.hpp"
+#include "landing/scatter/measure.hpp"
 #include "landing/search/goal.hpp"
-#include "landing/search/robust.hpp"
-#include "landing/search/tolerant_peak.hpp"
 
 namespace ukemi::landing {
 
@@ -44,74 +45,76 @@ struct Candidate {
   bool operator<(const Candidate& o) const { return value < o.value; }
 };
 
+/// The objective of a search. Its counts of motions, landings and work are for budgets.
 class Objective {
  public:
-  struct Options {
+  /// Options that every objective has.
+  struct Common {
     Goal goal = Goal::kPeak;
-    double accuracy = 1e-6;  ///< see BatchOptions
-    /// Limits that every landing of the execution box must keep; the scene's joint stops are added. A motion whose
-    /// reference is too fast is refused without a landing.
-    Limits limits;
+    double accuracy = 1e-6;                                     ///< relative tolerance of the landings' steps
     int threads = 1;                                            ///< 0: all cores; without influence on the results
     Stopwatch::Time time = Stopwatch::Time::kWall;              ///< the clock of deadlines
     double deadline = std::numeric_limits<double>::infinity();  ///< from construction, which plays a landing [s]
     std::function<bool()> stop;                                 ///< see Objective::stop
-    std::shared_ptr<const Robust> robust;                       ///< for Goal::kRobust
   };
-
-  /// Both must outlive the objective; the scene's drop may change between calls.
-  Objective(const Scene& scene, const MotionSpace& space, const Options& options);
-  /// Over the motions of Eq. 6.
-  Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options);
-
-  const MotionSpace& space() const { return space_; }
-  /// The motion and drive of a candidate.
-  DrivenMotion play(const Candidate& c) const { return space_.play(space_.values(c.u)); }
+  virtual ~Objective() = default;
   Objective(const Objective&) = delete;
-  /// Values of many motions. On one thread it allocates nothing. Where it is interrupted, motions that are not finished
-  /// get kNoMotion. Drops are played in stages; a motion that can no longer reach its bound gets its value over the
-  /// drops played so far, raised above the bound.
-  void evaluate(std::span<Candidate> points, Fidelity fidelity);
+
+  /// The variables, and the centre of their box in the unit cube.
+  virtual const std::vector<Variable>& variables() const = 0;
+  int dimension() const { return int(variables().size()); }
+  Coordinates centre() const { return Coordinates::Constant(dimension(), 0.5); }
+  Goal goal() const { return common_.goal; }
+  int threads() const { return common_.threads; }
+  double accuracy() const { return common_.accuracy; }
+  virtual void set_accuracy(double accuracy) { common_.accuracy = accuracy; }
+
+  /// Accuracy at which the best few are evaluated again: the tightest that lanes have.
+  virtual double tight_accuracy() const { return 1e-9; }
+
+  /// Sets the values of points. Where it is interrupted, points that are not finished get kNoMotion; a point that can
+  /// no longer reach its bound gets a value above it.
+  virtual void evaluate(std::span<Candidate> points, Fidelity fidelity) = 0;
   /// Whether values of that fidelity are those of the goal.
-  bool exact(Fidelity fidelity) const {
-    return fidelity.goal == options_.goal &&
-           (fidelity.goal != Goal::kRobust || fidelity.drops >= options_.robust->drops.size());
-  }
-  /// Values over the judging drops; interrupted as above.
-  void evaluate_judging(std::span<Candidate> points);
-  /// Under scatter: reserves memory, so that up to `motions` at once are evaluated without allocation.
-  void reserve_scattered(std::size_t motions);
-  /// Under scatter: whether a motion kept the limits in Measure::share of the drops when it was last evaluated. Drops
-  /// that were not played count as broken, up to the size of the smaller set (searched on, or judging).
-  bool keeps_limits(const Candidate& p) const;
+  virtual bool exact(Fidelity fidelity) const = 0;
+  /// Maximum number of landings a motion.
+  virtual int landings_per_motion(Goal goal) const = 0;
+  /// The value of one motion at `accuracy`, limits included; of what was played where it is interrupted, 0 where
+  /// nothing was.
+  virtual double verified(const Candidate& p, double accuracy, double bound) = 0;
+
+  /// Under scatter: the measure of the peaks; else null.
+  virtual const Measure* measure() const { return nullptr; }
+  /// Under scatter: whether the best few are evaluated over other drops, and their values over those.
+  virtual bool has_judging() const { return false; }
+  virtual void evaluate_judging(std::span<Candidate>) {}
+  /// Under scatter: whether a motion kept the limits in the required share of the drops when it was last evaluated.
+  virtual bool keeps_limits(const Candidate&) const { return true; }
+
+  /// The posture to hold that is known beforehand; absent: the box has none.
+  virtual std::optional<Candidate> held() const = 0;
+  /// Whether other postures may be held: a robot in the air holds the one that it was released in.
+  virtual bool may_hold_others() const = 0;
+  /// Sets postures to be tried: of round 0 over the whole box, of round 1 around the best of those of round 0.
+  virtual void draw_postures(int round, std::span<Candidate> postures) const = 0;
+
+  /// Number of peaks with derivatives at a point; 0: the values of this fidelity have none.
+  virtual int gradient_rows(Fidelity) const { return 0; }
+  /// Whether an automatic search descends from its best by them.
+  virtual bool refines() const { return false; }
+  /// At a point the peaks whose maximum is its value, and their derivatives by the coordinates, row by row; rows beyond
+  /// the peaks that were found are 0.
+  virtual void linearise(const Coordinates&, Fidelity, std::span<double> /*peaks*/, std::span<double> /*gradient*/) {}
+
   double deadline;  ///< on `watch` [s]
   Stopwatch watch;
-  std::function<bool()> stop;  ///< if set, called often and from any thread; true interrupts
-  /// The value of one motion in the scalar path, limits included; of what was played where it is interrupted, 0 where
-  /// nothing was. With a deadline, a landing of very many steps counts as one that cannot be followed.
-  double verified(const DrivenMotion& play, double accuracy, double bound = kNoMotion);
-
-  double accuracy() const { return options_.accuracy; }
-  void set_accuracy(double accuracy) { options_.accuracy = accuracy; }
-  const Options& options() const { return options_; }
-  /// Maximum number of landings a motion: the points of its execution box, for the value or to check the limits; a
-  /// motion that is only screened by its peak is checked at the exact motion alone.
-  int landings_per_motion(Goal goal) const {
-    if (goal == Goal::kRobust) return int(options_.robust->drops.size());
-    return goal == Goal::kTolerant || (goal == options_.goal && limited_) ? kExecutionPoints : 1;
-  }
-  /// Whether the peak of point k of the execution box enters the value; else it only checks the limits.
-  static bool in_value(int k, Goal goal) { return k == 0 || goal == Goal::kTolerant; }
-  const Scene& scene() const { return scene_; }
+  std::function<bool()> stop;                  ///< if set, called often and from any thread; true interrupts
   long motions() const { return motions_; }    ///< evaluated
   long landings() const { return landings_; }  ///< played for them, abandoned ones included
   long flights() const { return flights_; }    ///< of these, those that never touched the floor
-
-  long work() const { return work_; }  ///< of all landings, see work_of
+  long work() const { return work_; }          ///< of all landings, see work_of
   /// Limits the work from now on.
   void limit_work(long work) { max_work_ = work < kUnbounded - work_ ? work_ + work : kUnbounded; }
-  /// Adds the work of landings that were played elsewhere for the search.
-  void add_work(long work) { work_ += work; }
   bool exhausted() const { return work_ >= max_work_; }
   /// From now on the deadline is ignored until so much processor time is used, however busy the machine is [s].
   void set_grace(double seconds) { grace_ = seconds, cpu_watch_.restart(); }
@@ -122,33 +125,21 @@ class Objective {
   }
   /// interrupted() in the form of SimulateOptions::over.
   const std::function<bool()>* over() const { return &over_; }
-  /// Duration of the landing at the centre of the box at the accuracy of the search [s].
+  /// Duration of a landing at the accuracy of the search [s].
   double landing_time() const { return landing_time_; }
 
- private:
-  class Race;
-  Objective(const Scene& scene, std::unique_ptr<const MotionSpace> owned, const Options& options);
-  std::unique_ptr<const MotionSpace> owned_;
-  const Scene& scene_;
-  const MotionSpace& space_;
-  Options options_;
-  bool too_fast(const DrivenMotion& play) const;
-  void evaluate_boxes(std::span<Candidate> points, Goal goal);
-  void update_order(std::span<const Candidate> points, Goal goal);
-  void race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching);
-  bool limited_;                  ///< a landing may break a limit
-  SeaParameters<double> drive_;   ///< with every term of the actuators played
-  bool unlimited_steps_ = false;  ///< of a landing
-  long max_steps_ = 0;
-  std::array<int, kExecutionPoints> order_;  ///< in which an execution box is played, the most frequent failures first
-  std::array<long, kExecutionPoints> failures_{};  ///< how often each point gave a value or ended a motion
+ protected:
+  explicit Objective(const Common& common)
+      : deadline(common.deadline), watch(common.time), stop(common.stop), common_(common) {}
+
+  Common common_;
   long motions_ = 0, landings_ = 0, flights_ = 0, work_ = 0, max_work_ = kUnbounded;
   double landing_time_ = 0;
+  const std::function<bool()> over_ = [this] { return interrupted(); };
+
+ private:
   Stopwatch cpu_watch_{Stopwatch::Time::kProcess};
   double grace_ = 0;  ///< [s]
-  struct Scattered;
-  std::shared_ptr<Scattered> scattered_;  ///< buffers of race_over
-  const std::function<bool()> over_ = [this] { return interrupted(); };
 };
 
 }  // namespace ukemi::landing

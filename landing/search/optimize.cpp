@@ -11,6 +11,7 @@
 #include "landing/search/planner.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 namespace ukemi::landing {
 
@@ -26,7 +27,7 @@ void OptimizeOptions::validate() const {
 namespace {
 
 /// Why nothing was found, or why the search ended early; else empty.
-std::string message_of(const OptimizeOptions& options, const Objective& objective, bool found, bool exhausted) {
+std::string message_of(const OptimizeOptions& options, const TwoLinkObjective& objective, bool found, bool exhausted) {
   if (!found && options.monitor.stopped()) return "interrupted before a motion was found";
   const std::string bound = fmt::format(
       "the landings of this scene are long ({} of them took {} steps): the search ended at its bound of work",
@@ -34,7 +35,7 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
   if (found) return exhausted ? bound : "";
   if (objective.flights() > 0 && objective.flights() == objective.landings())
     return "no point of the robot touches the floor: there is no landing to plan";
-  const bool limited = objective.options().limits.any();
+  const bool limited = objective.limits().any();
   if (options.deadline)
     return fmt::format("no motion could be followed{} in the {:g} s given", limited ? " within the limits" : "",
                        *options.deadline);
@@ -46,10 +47,10 @@ std::string message_of(const OptimizeOptions& options, const Objective& objectiv
 }
 
 /// The best of the starts in the unit cube, under scatter over a few drops; absent where none can be followed.
-std::optional<Coordinates> best_start(Search& search, const std::vector<MotionValues>& starts) {
+std::optional<Coordinates> best_start(Search& search, const MotionSpace& space,
+                                      const std::vector<MotionValues>& starts) {
   constexpr std::size_t kDrops = 16;
-  const MotionSpace& space = search.objective().space();
-  const Goal goal = search.objective().options().goal;
+  const Goal goal = search.objective().goal();
   Candidate best = search.centre();
   for (std::size_t from = 0; from < starts.size(); from += kBatch) {
     std::vector<Candidate> points;
@@ -64,19 +65,19 @@ std::optional<Coordinates> best_start(Search& search, const std::vector<MotionVa
 }
 
 /// Budget of the search; `reserve`: time before the deadline that is kept for the verification [s].
-Budget budget_of(const OptimizeOptions& options, const Objective& objective, double reserve) {
+Budget budget_of(const OptimizeOptions& options, const TwoLinkObjective& objective, double reserve) {
   Budget out;
   if (options.deadline)
     out.seconds = *options.deadline - objective.watch.seconds() - reserve -
                   verification_time(*options.deadline, objective.landing_time());
   if (options.evaluations || !options.deadline)
-    out.motions = options.evaluations.value_or(default_evaluations(options.goal, objective.space().dimension()));
+    out.motions = options.evaluations.value_or(default_evaluations(options.goal, objective.dimension()));
   out.work = work_allowed(objective.landings_per_motion(options.goal), out.motions);
   out.tolerance = options.tolerance;
   return out;
 }
 
-void set_motion(const Candidate& answer, const Objective& objective, Optimum& out) {
+void set_motion(const Candidate& answer, const TwoLinkObjective& objective, Optimum& out) {
   const DrivenMotion play = objective.play(answer);
   out.motion = play.motion, out.sea = play.sea;
   out.values = objective.space().values(answer.u),
@@ -84,7 +85,7 @@ void set_motion(const Candidate& answer, const Objective& objective, Optimum& ou
 }
 
 /// Plays the landing of the answer and its execution box at OptimizeOptions::accuracy; `value`: of the search.
-void verify(double value, const OptimizeOptions& options, const Objective& objective, Optimum& out) {
+void verify(double value, const OptimizeOptions& options, const TwoLinkObjective& objective, Optimum& out) {
   const Scene& scene = objective.scene();
   const MotionSpace& space = objective.space();
   const DrivenMotion play{out.motion, out.sea};
@@ -112,15 +113,15 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   options.validate();
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const double deadline = options.deadline.value_or(kNever);
-  Objective objective(scene, space,
-                      {.goal = options.goal,
-                       .accuracy = options.search_accuracy,
-                       .limits = options.limits,
-                       .threads = options.threads,
-                       .time = options.time,
-                       .deadline = deadline,
-                       .stop = options.monitor.stop,
-                       .robust = options.robust});
+  TwoLinkObjective objective(scene, space,
+                             {.goal = options.goal,
+                              .accuracy = options.search_accuracy,
+                              .limits = options.limits,
+                              .threads = options.threads,
+                              .time = options.time,
+                              .deadline = deadline,
+                              .stop = options.monitor.stop,
+                              .robust = options.robust});
   double reserve = 0;  // for the landing and the execution box of the result [s]
   if (options.deadline)
     reserve = std::min(0.2 * deadline, (1 + kExecutionPoints) * kTightCost * objective.landing_time());
@@ -130,7 +131,7 @@ Optimum optimize(const Scene& scene, const MotionSpace& space, const OptimizeOpt
   out.progress.reserve(kMaxProgress);
   Search search(objective, budget_of(options, objective, reserve), options.seed, &out.progress);
   search.on_progress = options.monitor.on_progress;
-  const std::optional<Coordinates> start = best_start(search, options.starts);
+  const std::optional<Coordinates> start = best_start(search, space, options.starts);
   if (start) search.warm_starts = {&*start, 1};
   run_solver(options.solver, search);
   out.evaluations = search.motions();

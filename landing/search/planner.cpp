@@ -11,6 +11,7 @@
 #include "landing/search/deadline.hpp"
 #include "landing/search/measured_range.hpp"
 #include "landing/search/population.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 namespace ukemi::landing {
 
@@ -53,7 +54,7 @@ struct Planner::Search {
   Options options;
   std::shared_ptr<Robust> robust;  ///< for Goal::kRobust: its drops scatter about the planned one
   std::vector<Drop> offsets;       ///< of each drop from the planned one
-  Objective objective;
+  TwoLinkObjective objective;
   AutoSearch search;
   std::optional<MotionValues> last;          ///< the last plan, the end of its move in the air counted from release
   std::array<MotionValues, kStarts> starts;  ///< see `start`

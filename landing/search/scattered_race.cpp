@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "landing/search/objective.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 namespace ukemi::landing {
 
@@ -13,7 +13,7 @@ constexpr std::array<std::size_t, kScatteredStages> kStageDrops = {8, 32, 96};
 constexpr std::array<double, kScatteredStages> kMean = {1.15, 1.04, 1.02}, kTail = {1.2, 1.08, 1.03};
 }  // namespace
 
-struct Objective::Scattered {
+struct TwoLinkObjective::Scattered {
   ScatteredLandings landings;
   std::vector<DrivenMotion> plays;
   std::vector<std::size_t> active;    ///< indices of motions not yet abandoned
@@ -23,30 +23,30 @@ struct Objective::Scattered {
   std::array<double, kScatteredStages> stage_ratio{1, 1, 1};
 };
 
-void Objective::evaluate_judging(std::span<Candidate> points) { race_over(points, options_.robust->judging, false); }
+void TwoLinkObjective::evaluate_judging(std::span<Candidate> points) { race_over(points, robust_->judging, false); }
 
-void Objective::reserve_scattered(std::size_t motions) {
+void TwoLinkObjective::reserve_scattered(std::size_t motions) {
   scattered_ = std::make_shared<Scattered>();
   Scattered& s = *scattered_;
-  const std::size_t drops = options_.robust->drops.size();
+  const std::size_t drops = robust_->drops.size();
   s.landings.reserve(motions * drops), s.peaks.reserve(motions * drops);
   s.plays.reserve(motions), s.active.reserve(motions), s.sorted.reserve(drops);
 }
 
-bool Objective::keeps_limits(const Candidate& p) const {
-  if (!options_.limits.any()) return true;
+bool TwoLinkObjective::keeps_limits(const Candidate& p) const {
+  if (!limits_.any()) return true;
   constexpr double kRounding = 1e-9;
-  const Robust& robust = *options_.robust;
+  const Robust& robust = *robust_;
   const std::size_t fewest =
       robust.judging.empty() ? robust.drops.size() : std::min(robust.drops.size(), robust.judging.size());
   const double drops = double(std::max(fewest, std::size_t(p.played)));
   return double(p.played - p.broken) >= (robust.measure.share() - kRounding) * drops;
 }
 
-void Objective::race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching) {
+void TwoLinkObjective::race_over(std::span<Candidate> points, std::span<const ScatteredDrop> drops, bool searching) {
   if (!scattered_) scattered_ = std::make_shared<Scattered>();
   Scattered& s = *scattered_;
-  const Robust& robust = *options_.robust;
+  const Robust& robust = *robust_;
   const auto& max_ratio = robust.measure.kind == Measure::Kind::kMean ? kMean : kTail;
   const std::size_t n = drops.size();
   s.peaks.assign(points.size() * n, 0.0);
@@ -63,8 +63,7 @@ void Objective::race_over(std::span<Candidate> points, std::span<const Scattered
     s.sorted.assign(s.peaks.begin() + long(i * n), s.peaks.begin() + long(i * n + count));
     return robust.measure.of(s.sorted);
   };
-  ScatteredOptions options{
-      .accuracy = options_.accuracy, .limits = options_.limits, .threads = options_.threads, .over = &over_};
+  ScatteredOptions options{.accuracy = accuracy(), .limits = limits_, .threads = threads(), .over = &over_};
   // In a search, or with a deadline, no landing that chatters without end.
   if (!unlimited_steps_ && (searching || std::isfinite(deadline)))
     options.on_max_steps = BatchOptions::OnMaxSteps::kFail, options.max_steps = max_steps_;

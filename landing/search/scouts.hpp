@@ -31,10 +31,10 @@ inline void scout(Search& search, Random& random, const Scouting& options, Fidel
   batch.assign(kBatch, search.centre());
   for (Candidate& p : batch) {
     if (options.uniform >= 1 || incumbents.empty() || random.uniform() < options.uniform) {
-      p = random_point(random, search.objective().space().variables(), options.neutral);
+      p = random_point(random, search.objective().variables(), options.neutral);
       p.bound = incumbents.bound();
     } else {
-      const Candidate& incumbent = incumbents[biased_index(random, incumbents.size())];
+      const Candidate& incumbent = incumbents.draw(random);
       p = perturbed(incumbent, std::pow(10.0, random.uniform(options.nearest, options.farthest)), random);
       p.bound = incumbent.value;
     }

@@ -26,7 +26,7 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_motion_(objective.motions()),
       first_landing_(objective.landings()),
       progress_(progress),
-      centre_{objective.space().centre()},
+      centre_{objective.centre()},
       contenders_(kContenders, kSeparation),
       held_(centre_),
       screened_{centre_, centre_} {
@@ -36,34 +36,27 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
 }
 
 void Search::search_held() {
-  constexpr int kRounds = 2, kFine = 64, kCoarse = 16;  // postures of a grid: valleys are narrow
+  constexpr int kRounds = 2, kFine = 64, kCoarse = 16;  // postures of a round: valleys are narrow
   constexpr std::size_t kBest = 3;                      // evaluated by the goal
   constexpr double kApart = 0.1;
-  const Scene& scene = objective_.scene();
-  const MotionSpace& space = objective_.space();
-  auto [low, high] = scene.search.phi;
-  const auto holding = [&](double phi) { return Candidate{space.place(*space.holding(phi))}; };
-  if (budget_.hold <= 0 || !space.holding(low)) return;
-  held_ = holding(held_angle(scene));
+  const std::optional<Candidate> known = objective_.held();
+  if (budget_.hold <= 0 || !known) return;
+  held_ = *known;
   objective_.set_grace(kGrace);
   evaluate_held(held_);
   objective_.set_grace(0);
-  if (scene.release) return;
-  // The peak on a grid of postures, then between the neighbours of the best; the best that lie apart by the goal.
+  if (!objective_.may_hold_others()) return;
+  // The peak of postures over the box, then of some around the best; the best that lie apart by the goal.
   const auto allowed = [&](int postures) { return budget_.hold * expected_total() > postures; };
   const int count = allowed(kRounds * kFine) ? kFine : kCoarse;
   std::array<Candidate, kFine> buffer;
   const auto postures = std::span(buffer).first(std::size_t(count));
   Archive best(kBest, kApart);
   for (int round = 0; round < kRounds && allowed((round + 1) * count); ++round) {
-    const double step = (high - low) / (count - 1), from = low;
-    for (int i = 0; i < count; ++i) postures[std::size_t(i)] = holding(from + i * step);
+    objective_.draw_postures(round, postures);
     evaluate(postures, Goal::kPeak);
     for (const Candidate& p : postures)
       if (p.value < kNoMotion) best.add(p);
-    const auto lowest = std::min_element(postures.begin(), postures.end());
-    const double phi = from + double(lowest - postures.begin()) * step;
-    low = std::max(low, phi - step), high = std::min(high, phi + step);
   }
   for (const Candidate& p : best) evaluate_held(p);
 }
@@ -71,7 +64,7 @@ void Search::search_held() {
 /// Evaluates a posture to hold by the goal, unless its peak is the goal and known.
 void Search::evaluate_held(Candidate p) {
   p.bound = held_.value;
-  if (objective_.options().goal != Goal::kPeak || p.value >= kNoMotion) evaluate({&p, 1});
+  if (objective_.goal() != Goal::kPeak || p.value >= kNoMotion) evaluate({&p, 1});
   if (p < held_) held_ = p;
 }
 
@@ -164,7 +157,7 @@ Candidate Search::judge_scattered() {
   std::array<Candidate, Archive::kMost> buffer;
   const std::span<Candidate> found = contenders(buffer);
   Candidate best = found.empty() ? centre_ : found[0];
-  const bool has_judging = !objective_.options().robust->judging.empty();
+  const bool has_judging = objective_.has_judging();
   bool judged = false;
   for (Candidate p : found) {
     if (!has_judging || objective_.interrupted()) break;
@@ -176,18 +169,18 @@ Candidate Search::judge_scattered() {
   return best;
 }
 
-/// Evaluates the contenders in lanes at 1e-9, then in the scalar path.
+/// Evaluates the contenders at a tight accuracy, then verifies them.
 Candidate Search::judge_exactly(double accuracy) {
-  constexpr double kJump = 1e-3, kTight = 1e-9;
+  constexpr double kJump = 1e-3;
   std::array<Candidate, Archive::kMost> buffer, reevaluated;
   const std::span<Candidate> found = contenders(buffer);
   if (found.empty()) return centre_;
   objective_.limit_work(kCheckWork);
   const double search_accuracy = objective_.accuracy();
-  objective_.set_accuracy(kTight);
+  objective_.set_accuracy(objective_.tight_accuracy());
   contenders_.clear();
   // The box of a tolerant peak fills the lanes.
-  const std::size_t batch = objective_.options().goal == Goal::kPeak ? 4 : 1;
+  const std::size_t batch = objective_.goal() == Goal::kPeak ? 4 : 1;
   std::copy(found.begin(), found.end(), reevaluated.begin());
   for (std::size_t i = 0; i < found.size() && found[i].value < best().value && !objective_.interrupted(); i += batch) {
     const auto part = std::span(reevaluated).subspan(i, std::min(batch, found.size() - i));
@@ -202,7 +195,7 @@ Candidate Search::judge_exactly(double accuracy) {
   for (Candidate p :
        contenders_.empty() ? std::span<const Candidate>(found) : std::span(contenders_.begin(), contenders_.end())) {
     if (p.value >= out.value) break;
-    p.value = std::max(p.value, objective_.verified(objective_.play(p), accuracy, out.value));
+    p.value = std::max(p.value, objective_.verified(p, accuracy, out.value));
     out = std::min(out, p);
   }
   return out;

@@ -45,21 +45,21 @@ class Search {
   /// Evaluates as many of the points as the budget allows; the others get kNoMotion. Points of lower fidelity than the
   /// goal are only screened: no result before they are evaluated again.
   void evaluate(std::span<Candidate> points, Fidelity fidelity);
-  void evaluate(std::span<Candidate> points) { evaluate(points, objective_.options().goal); }
+  void evaluate(std::span<Candidate> points) { evaluate(points, objective_.goal()); }
   const Candidate& best() const { return contenders_.empty() ? centre_ : contenders_[0]; }
   /// The best posture to hold: the released one; without a release the middle of the scene's range, or the best of some
   /// others within Budget::hold. kNoMotion where it could not be followed within the limits, or the space has none.
   const Candidate& held() const { return held_; }
-  int dimension() const { return objective_.space().dimension(); }
+  int dimension() const { return objective_.dimension(); }
   /// The centre of the space, not evaluated.
   const Candidate& centre() const { return centre_; }
 
   /// The best motion, verified. The best often lies at a cliff, where the accuracy of the search decides the side: the
-  /// contenders and the best posture to hold are evaluated again at 1e-9, and where their values jump, a population
-  /// steps back from the cliff. Then the scalar path verifies at `accuracy`; the larger value counts. Where nothing
-  /// better than holding was evaluated, the best screened motion is; with nothing at all, for 3 ms past the deadline.
-  /// Else it ends by `deadline` on the objective's watch: a contender that is not reached is not considered, and where
-  /// none is, the value of the search counts. Its work is limited to twice kCheckWork.
+  /// contenders and the best posture to hold are evaluated again at tight_accuracy, and where their values jump, a
+  /// population steps back from the cliff. Then the scalar path verifies at `accuracy`; the larger value counts. Where
+  /// nothing better than holding was evaluated, the best screened motion is; with nothing at all, for 3 ms past the
+  /// deadline. Else it ends by `deadline` on the objective's watch: a contender that is not reached is not considered,
+  /// and where none is, the value of the search counts. Its work is limited to twice kCheckWork.
   Candidate judge(double accuracy, double deadline = std::numeric_limits<double>::infinity());
 
   const std::uint64_t seed;
@@ -67,9 +67,8 @@ class Search {
   std::span<const Coordinates> warm_starts;
   std::function<void(long done, long total)>
       on_progress;  ///< if set, receives motions, or milliseconds where these are unlimited
+  Objective& objective() { return objective_; }
   const Objective& objective() const { return objective_; }
-  /// Adds the work of landings that a solver played itself.
-  void add_work(const integrate::Counters& work) { objective_.add_work(work_of(work)); }
 
  private:
   void search_held();
@@ -82,12 +81,12 @@ class Search {
   void step_back(const Candidate& edge);
   /// Candidates for the answer, sorted: the best that lie apart, then the best posture to hold.
   std::span<Candidate> contenders(std::span<Candidate, Archive::kMost> buffer) const;
-  bool scattered() const { return objective_.options().goal == Goal::kRobust; }
+  bool scattered() const { return objective_.goal() == Goal::kRobust; }
   /// How many of `motions` the budget allows.
   std::size_t allowed(std::size_t motions) const;
   /// Evaluates, and records contenders and the best screened points.
   void play(std::span<Candidate> points, Fidelity fidelity);
-  void play(std::span<Candidate> points) { play(points, objective_.options().goal); }
+  void play(std::span<Candidate> points) { play(points, objective_.goal()); }
   void record(const Candidate& p);
   void report_progress() const;
   bool stalled() const { return budget_.tolerance > 0 && motions() - milestone_motions_ >= budget_.patience; }

@@ -30,6 +30,8 @@ void pattern_search(Search& search);
 /// NLopt's SLSQP on the epigraph min s, a_k <= s over the largest peaks of the landing, with exact gradients; from the
 /// centre of the box, then from random starts. Under scatter on the measure over some of the drops.
 void sequential_quadratic(Search& search);
+/// The same from a start, at a fidelity with gradient_rows; returns the best point that it evaluated.
+Candidate descend_by_gradient(Search& search, Fidelity fidelity, const Candidate& start);
 /// One of NLopt's algorithms without derivatives; a local one restarts at random until the search is over.
 void nlopt_search(const std::string& name, Search& search);
 void random_search(Search& search);

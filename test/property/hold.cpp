@@ -7,6 +7,7 @@
 #include "landing/search/optimize.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/two_link_objective.hpp"
 #include "test/paper.hpp"
 
 using namespace ukemi;
@@ -237,7 +238,7 @@ TEST_CASE("where nothing keeps the ratings a plan for scatter is none, and the l
 TEST_CASE("hold: a search of a single basin leaves the postures out") {
   const Scene scene = paper();
   const SeaParameters<double> sea = table2().sea;
-  Objective o(scene, sea, {});
+  TwoLinkObjective o(scene, sea, {});
   const Search all(o, {.motions = 1000}, 1), one(o, {.motions = 1000, .hold = 0}, 1);
   CHECK(all.best().value < kNoMotion);
   CHECK(all.held().value == all.best().value);

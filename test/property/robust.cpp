@@ -6,6 +6,7 @@
 #include "landing/scatter/sampler.hpp"
 #include "landing/search/planner.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/two_link_objective.hpp"
 #include "test/folder.hpp"
 #include "test/paper.hpp"
 
@@ -81,7 +82,7 @@ TEST_CASE("robust: the landings of a search are those of the scalar path over th
   r->measure = {Measure::Kind::kMean};
   r->drops = model.even(16, 3);
   const ReferenceSpace space(scene, actuator.sea);
-  Objective o(scene, space, {.goal = Goal::kRobust, .accuracy = 1e-7, .robust = r});
+  TwoLinkObjective o(scene, space, {.goal = Goal::kRobust, .accuracy = 1e-7, .robust = r});
   Candidate p{space.unit(space.values_of({-0.5, -1.2, 0.25}))};
   o.evaluate({&p, 1}, Goal::kRobust);
   std::vector<double> peaks = scalar_peaks(space.play(space.values(p.u)), r->drops);
@@ -94,7 +95,7 @@ TEST_CASE("robust: a motion that cannot win is left early, above its bound") {
   auto r = std::make_shared<Robust>();
   r->drops = DropModel(scene, Scatter::assumed()).even(256, 1);
   const ReferenceSpace space(scene, table2().sea);
-  Objective o(scene, space, {.goal = Goal::kRobust, .robust = r});
+  TwoLinkObjective o(scene, space, {.goal = Goal::kRobust, .robust = r});
   const Coordinates held = space.unit(space.values_of({-0.785, -0.785, 1}));
   Candidate whole{held}, left{held, kNoMotion, 250};
   o.evaluate({&whole, 1}, Goal::kRobust);
@@ -169,7 +170,7 @@ TEST_CASE("robust: a drop that was not played is not one that keeps the limits")
   const ReferenceSpace space(scene, sea);
   Limits limits;
   limits.motor_speed = 0.775;  // about what the scene's own drop needs [rad/s]
-  Objective o(scene, space, {.goal = Goal::kRobust, .limits = limits, .robust = r});
+  TwoLinkObjective o(scene, space, {.goal = Goal::kRobust, .limits = limits, .robust = r});
   const Coordinates held = space.unit(space.values_of({-0.785, -0.785, 1}));
   Candidate whole{held}, few{held}, late{held};
   CHECK_FALSE(o.keeps_limits(whole));

@@ -14,6 +14,7 @@
 #include "landing/search/planner.hpp"
 #include "landing/search/population.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/two_link_objective.hpp"
 #include "test/paper.hpp"
 
 using namespace ukemi;
@@ -51,7 +52,7 @@ TEST_CASE("search: both goals agree with the landings one by one, whatever the t
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     std::vector<std::vector<Candidate>> results;
     for (const int threads : {1, 3}) {
-      Objective o(scene, sea, {.goal = goal, .accuracy = 1e-7, .threads = threads});
+      TwoLinkObjective o(scene, sea, {.goal = goal, .accuracy = 1e-7, .threads = threads});
       Random r(4);
       std::vector<Candidate> points;
       for (int i = 0; i < 40; ++i) points.push_back(random_point(r, 3));
@@ -64,8 +65,8 @@ TEST_CASE("search: both goals agree with the landings one by one, whatever the t
     for (std::size_t i = 0; i < 40; ++i) {
       const Candidate& p = results[0][i];
       CHECK(p.value == results[1][i].value);
-      Objective o(scene, sea, {.goal = goal});
-      const double exact = o.verified(o.play(p), 1e-9);
+      TwoLinkObjective o(scene, sea, {.goal = goal});
+      const double exact = o.verified(p, 1e-9);
       if (p.value >= kNoMotion) {
         ++passed_over;
         continue;
@@ -82,13 +83,13 @@ TEST_CASE("search: the lanes at the accuracy that judges an answer agree with th
   const SeaParameters<double> sea = table2_sea();
   for (const char* name : {"paper", "paper_rough_a", "paper_rough_b", "paper_soft", "tilted"}) {
     const Scene scene = scene_of(name);
-    Objective o(scene, sea, {.goal = Goal::kTolerant, .accuracy = 1e-9});
+    TwoLinkObjective o(scene, sea, {.goal = Goal::kTolerant, .accuracy = 1e-9});
     Search s(o, {.motions = 400}, 2);
     auto_search(s);
     Candidate best = s.best();
     best.bound = kNoMotion;
     o.evaluate({&best, 1}, Goal::kTolerant);
-    CHECK(best.value == Approx(o.verified(o.play(best), 1e-11)).epsilon(1e-7));
+    CHECK(best.value == Approx(o.verified(best, 1e-11)).epsilon(1e-7));
   }
 }
 
@@ -96,7 +97,7 @@ TEST_CASE("search: what no longer keeps the limits when it is judged is no answe
   const SeaParameters<double> sea = table2_sea();
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     Scene scene = scene_of("paper");
-    Objective o(scene, sea, {.goal = goal, .limits = {.motor_speed = 20}});
+    TwoLinkObjective o(scene, sea, {.goal = goal, .limits = {.motor_speed = 20}});
     Search s(o, {.motions = 200}, 1);
     auto_search(s);
     REQUIRE(s.best().value < kNoMotion);
@@ -108,7 +109,7 @@ TEST_CASE("search: what no longer keeps the limits when it is judged is no answe
 TEST_CASE("search: where time was for screening alone, the best of that is played") {
   const Scene scene = scene_of("paper");
   const SeaParameters<double> sea = table2_sea();
-  Objective o(scene, sea, {.goal = Goal::kTolerant});
+  TwoLinkObjective o(scene, sea, {.goal = Goal::kTolerant});
   Search s(o, {}, 1);
   const Candidate held = s.held();
   CHECK(s.best().u == held.u);
@@ -123,7 +124,7 @@ TEST_CASE("search: where time was for screening alone, the best of that is playe
   // better.
   CHECK(s.judge(1e-9, o.watch.seconds()).u == held.u);
   const Candidate settled = s.judge(1e-9);
-  const double played = o.verified(o.play(best), 1e-9), still = o.verified(o.play(held), 1e-9);
+  const double played = o.verified(best, 1e-9), still = o.verified(held, 1e-9);
   CHECK(settled.value == Approx(std::min(played, still)).epsilon(1e-7));
 }
 
@@ -155,7 +156,7 @@ TEST_CASE("search: every solver keeps its budget of motions and of time, and rep
     for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
       INFO(solver << (goal == Goal::kPeak ? ", peak" : ", tolerant"));
       const auto run = [&](std::uint64_t seed, const Budget& budget, int threads) {
-        Objective o(scene, sea, {.goal = goal, .threads = threads});
+        TwoLinkObjective o(scene, sea, {.goal = goal, .threads = threads});
         Search s(o, budget, seed);
         run_solver(solver, s);
         CHECK(s.motions() <= budget.motions);
@@ -174,7 +175,7 @@ TEST_CASE("search: every solver keeps its budget of motions and of time, and rep
 TEST_CASE("search: a tolerance stops it once the best stands still") {
   const Scene scene = scene_of("paper_rough_b");
   const SeaParameters<double> sea = table2_sea();
-  Objective o(scene, sea, {});
+  TwoLinkObjective o(scene, sea, {});
   Search s(o, {.motions = 1'000'000, .tolerance = 1e-3, .patience = 3000}, 1);
   auto_search(s);
   CHECK(s.motions() > 3000);
@@ -380,7 +381,7 @@ TEST_CASE("search: within limits the corner that breaks them most is learned, wh
   const SeaParameters<double> sea = table2_sea();
   const Limits limits{.motor_speed = 3};
   // Motions that keep them where they are played exactly.
-  Objective screen(scene, sea, {.goal = Goal::kTolerant, .limits = limits});
+  TwoLinkObjective screen(scene, sea, {.goal = Goal::kTolerant, .limits = limits});
   Random r(3);
   std::vector<Candidate> points;
   for (int i = 0; i < 400; ++i) points.push_back(random_point(r, 3));
@@ -388,7 +389,7 @@ TEST_CASE("search: within limits the corner that breaks them most is learned, wh
   std::erase_if(points, [](const Candidate& p) { return p.value >= kNoMotion; });
   REQUIRE(points.size() > 32);
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
-    Objective o(scene, sea, {.goal = goal, .limits = limits});
+    TwoLinkObjective o(scene, sea, {.goal = goal, .limits = limits});
     std::vector<Candidate> first = points, again = points;
     o.evaluate(first, goal);
     const long landings = o.landings();
@@ -417,12 +418,12 @@ TEST_CASE("search: the deadline ends landings in the scalar path too") {
   // Lanes that hand a landing over, and all that a search plays beside.
   for (const Goal goal : {Goal::kPeak, Goal::kTolerant}) {
     std::atomic<int> asked{0};
-    Objective o(scene, sea, {.goal = goal, .stop = [&] { return ++asked > 200; }});
+    TwoLinkObjective o(scene, sea, {.goal = goal, .stop = [&] { return ++asked > 200; }});
     const long until = o.work();
     Search s(o, {}, 1);
     auto_search(s);
     CHECK(s.over());
-    CHECK(o.verified({{-0.7, -1.2, 0.3}, sea}, 1e-9) == 0);
+    CHECK(o.verified({o.centre()}, 1e-9) == 0);
     CHECK(o.work() - until < 200 * 32 * 8);
   }
   // A planner's promise on a floor where one landing takes longer: by the processor's time, with room for a busy
@@ -444,7 +445,7 @@ TEST_CASE("search: a bound of work ends it where every landing is long, the same
   constexpr long kWork = 200'000, kLongest = 16 * 300'000;  // landings of two batches may end beyond it
   Candidate best;
   for (const int threads : {1, 3}) {
-    Objective o(scene, sea, {.threads = threads});
+    TwoLinkObjective o(scene, sea, {.threads = threads});
     Search s(o, {.motions = 100'000, .work = kWork}, 1);
     auto_search(s);
     CHECK(o.exhausted());
@@ -458,7 +459,7 @@ TEST_CASE("search: a bound of work ends it where every landing is long, the same
   // Ordinary scenes never come near it.
   for (const char* name : {"paper", "tilted", "hard"}) {
     const Scene ordinary = scene_of(name);
-    Objective o(ordinary, sea, {});
+    TwoLinkObjective o(ordinary, sea, {});
     Search s(o, {.motions = 2'000}, 1);
     auto_search(s);
     CHECK(o.work() < work_allowed(1, 2'000) / 2);

@@ -1,4 +1,4 @@
-#include "landing/search/objective.hpp"
+#include "landing/search/two_link_objective.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,26 +9,24 @@
 
 namespace ukemi::landing {
 
-Objective::Objective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
-    : Objective(scene, std::make_unique<ReferenceSpace>(scene, sea), options) {}
+TwoLinkObjective::TwoLinkObjective(const Scene& scene, const SeaParameters<double>& sea, const Options& options)
+    : TwoLinkObjective(scene, std::make_unique<ReferenceSpace>(scene, sea), options) {}
 
-Objective::Objective(const Scene& scene, std::unique_ptr<const MotionSpace> owned, const Options& options)
-    : Objective(scene, *owned, options) {
+TwoLinkObjective::TwoLinkObjective(const Scene& scene, std::unique_ptr<const MotionSpace> owned, const Options& options)
+    : TwoLinkObjective(scene, *owned, options) {
   owned_ = std::move(owned);
 }
 
-Objective::Objective(const Scene& scene, const MotionSpace& space, const Options& options)
-    : deadline(options.deadline),
-      watch(options.time),
-      stop(options.stop),
+TwoLinkObjective::TwoLinkObjective(const Scene& scene, const MotionSpace& space, const Options& options)
+    : Objective({options.goal, options.accuracy, options.threads, options.time, options.deadline, options.stop}),
       scene_(scene),
       space_(space),
-      options_(options) {
+      limits_(options.limits),
+      robust_(options.robust) {
   const DrivenMotion middle = space.play(space.values(space.centre()));
   drive_ = middle.sea;
-  if (scene.joint) options_.limits.joint = *scene.joint;
-  const Limits& limits = options_.limits;
-  limited_ = limits.any_forbidden() || limits.within_steps() || (limits.any() && middle.motion.reposition);
+  if (scene.joint) limits_.joint = *scene.joint;
+  limited_ = limits_.any_forbidden() || limits_.within_steps() || (limits_.any() && middle.motion.reposition);
   std::iota(order_.begin(), order_.end(), 0);
   // A landing that chatters without end may take a thousand times as long as the others: its steps are limited. Where
   // the centre of the box takes as many, the scene is stiff, and long landings are played in the scalar path.
@@ -46,8 +44,8 @@ Objective::Objective(const Scene& scene, const MotionSpace& space, const Options
 }
 
 /// Whether the reference exceeds its maximum rate, exactly or with the shortest duration of the execution box.
-bool Objective::too_fast(const DrivenMotion& play) const {
-  const double max_rate = options_.limits.reference_rate;
+bool TwoLinkObjective::too_fast(const DrivenMotion& play) const {
+  const double max_rate = limits_.reference_rate;
   if (!std::isfinite(max_rate)) return false;
   for (int k = 0; k < kExecutionPoints; ++k) {
     if (k > 0 && execution_deviation(k).duration >= 0) continue;
@@ -59,11 +57,11 @@ bool Objective::too_fast(const DrivenMotion& play) const {
 /// Motions raced over their execution boxes: each lane takes a motion and plays the points of its box until the first
 /// landing above the bound; once all motions are taken, idle lanes share those that are left. Where the goal is the
 /// peak, the other points only check the limits.
-class Objective::Race : public BatchSource {
+class TwoLinkObjective::Race : public BatchSource {
  public:
   static constexpr std::size_t kMost = 64;
 
-  Race(const Objective& o, std::span<Candidate> points, Goal goal, long max_work)
+  Race(const TwoLinkObjective& o, std::span<Candidate> points, Goal goal, long max_work)
       : o_(o), points_(points), max_work_(max_work), goal_(goal), box_points_(o.landings_per_motion(goal)) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       points[i].value = 0, points[i].played = points[i].broken = 0;
@@ -135,7 +133,7 @@ class Objective::Race : public BatchSource {
     return -1;
   }
 
-  const Objective& o_;
+  const TwoLinkObjective& o_;
   std::span<Candidate> points_;
   const long max_work_;
   const Goal goal_;
@@ -149,23 +147,23 @@ class Objective::Race : public BatchSource {
   std::array<DrivenMotion, kLanes> play_;  ///< referenced by the lane's landing
 };
 
-void Objective::evaluate(std::span<Candidate> points, Fidelity fidelity) {
+void TwoLinkObjective::evaluate(std::span<Candidate> points, Fidelity fidelity) {
   if (fidelity.goal != Goal::kRobust) return evaluate_boxes(points, fidelity.goal);
-  const auto& drops = options_.robust->drops;
+  const auto& drops = robust_->drops;
   race_over(points, std::span(drops).first(std::min(fidelity.drops, drops.size())), true);
 }
 
-void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
+void TwoLinkObjective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
   const int chunks = int((points.size() + Race::kMost - 1) / Race::kMost);
   const int parts = std::max(chunks, std::min(2, int(points.size() / 16)));  // fixed by the size, not by the threads
   std::atomic<long> landings{0}, flights{0}, work{0};
   const long max_work = max_work_ == kUnbounded ? kUnbounded : std::max(0L, max_work_ - work_) / std::max(1, parts);
   const BatchOptions batch{
-      .accuracy = options_.accuracy,
-      .limits = options_.limits,
+      .accuracy = accuracy(),
+      .limits = limits_,
       .on_max_steps = unlimited_steps_ ? BatchOptions::OnMaxSteps::kScalar : BatchOptions::OnMaxSteps::kFail,
       .max_steps = unlimited_steps_ ? BatchOptions().max_steps : max_steps_};
-  parallel_for(parts, options_.threads, [&](int i) {
+  parallel_for(parts, threads(), [&](int i) {
     const std::size_t n = points.size(), a = n * std::size_t(i) / std::size_t(parts),
                       b = n * (std::size_t(i) + 1) / std::size_t(parts);
     Race race(*this, points.subspan(a, b - a), goal, max_work);
@@ -179,7 +177,7 @@ void Objective::evaluate_boxes(std::span<Candidate> points, Goal goal) {
 }
 
 /// Sorts the box by failures. Where it only checks the limits, a motion that kept them is not counted.
-void Objective::update_order(std::span<const Candidate> points, Goal goal) {
+void TwoLinkObjective::update_order(std::span<const Candidate> points, Goal goal) {
   for (const Candidate& p : points)
     if (p.worst >= 0 && (goal == Goal::kTolerant || p.value > p.bound || p.value >= kNoMotion))
       ++failures_[std::size_t(p.worst)];
@@ -189,9 +187,10 @@ void Objective::update_order(std::span<const Candidate> points, Goal goal) {
   });
 }
 
-double Objective::verified(const DrivenMotion& play, double accuracy, double bound) {
+double TwoLinkObjective::verified(const Candidate& c, double accuracy, double bound) {
+  const DrivenMotion play = this->play(c);
   double worst = 0;
-  const int n = landings_per_motion(options_.goal);
+  const int n = landings_per_motion(goal());
   constexpr double kAny = std::numeric_limits<double>::infinity();
   // With a deadline, no landing that chatters without end.
   const long steps = std::isfinite(deadline) ? max_steps_ : SimulateOptions().max_steps;
@@ -200,16 +199,34 @@ double Objective::verified(const DrivenMotion& play, double accuracy, double bou
     const DrivenMotion deviated = space_.execution_point(play, scene_.execution, k);
     const LandingPeak p = peak_acceleration(scene_, deviated.sea, deviated.motion,
                                             {.accuracy = accuracy,
-                                             .abandon_above = in_value(k, options_.goal) ? bound : kAny,
+                                             .abandon_above = in_value(k, goal()) ? bound : kAny,
                                              .max_steps = steps,
-                                             .limits = options_.limits,
+                                             .limits = limits_,
                                              .over = &over_});
     work_ += work_of(p.work);
     if (no_landing(p.end)) return kNoMotion;
-    if (in_value(k, options_.goal)) worst = std::max(worst, p.peak);
+    if (in_value(k, goal())) worst = std::max(worst, p.peak);
     if (worst > bound) break;
   }
   return worst;
+}
+
+std::optional<Candidate> TwoLinkObjective::held() const {
+  const std::optional<Coordinates> values = space_.holding(held_angle(scene_));
+  return values ? std::optional(Candidate{space_.place(*values)}) : std::nullopt;
+}
+
+void TwoLinkObjective::draw_postures(int round, std::span<Candidate> postures) const {
+  auto [low, high] = scene_.search.phi;
+  if (round > 0) {
+    const double step = (high - low) / double(postures.size() - 1);
+    const auto best = std::min_element(postures.begin(), postures.end());
+    const double phi = low + double(best - postures.begin()) * step;
+    low = std::max(low, phi - step), high = std::min(high, phi + step);
+  }
+  const double step = (high - low) / double(postures.size() - 1);
+  for (std::size_t i = 0; i < postures.size(); ++i)
+    postures[i] = Candidate{space_.place(*space_.holding(low + double(i) * step))};
 }
 
 }  // namespace ukemi::landing
