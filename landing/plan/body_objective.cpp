@@ -10,8 +10,13 @@
 namespace ukemi::landing {
 
 BodyObjective::BodyObjective(const BodyScene& scene, const BodySpace& space, const BodyGoals& goals,
-                             const Common& options)
-    : Objective(options), scene_(scene), space_(space), goals_(goals), nominal_(nominal_drop(scene)) {
+                             const Common& options, double held_value)
+    : Objective(options),
+      scene_(scene),
+      space_(space),
+      goals_(goals),
+      nominal_(nominal_drop(scene)),
+      held_value_(held_value) {
   const double before = watch.seconds();
   (void)peak_acceleration(scene, held_posture(scene), {.accuracy = options.accuracy, .over = over()});
   landing_time_ = watch.seconds() - before;
@@ -71,7 +76,7 @@ void BodyObjective::evaluate_judging(std::span<Candidate> points) {
 
 std::optional<Candidate> BodyObjective::held() const {
   if (scene_.release) return std::nullopt;
-  return Candidate{space_.unit(held_posture(scene_))};
+  return Candidate{space_.unit(held_posture(scene_)), held_value_};
 }
 
 void BodyObjective::draw_postures(int round, std::span<Candidate> postures) const {

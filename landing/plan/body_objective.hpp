@@ -9,8 +9,10 @@ namespace ukemi::landing {
 
 class BodyObjective : public Objective {
  public:
-  /// Over the motions of a space; the three must outlive the objective. Plays a landing of the held posture.
-  BodyObjective(const BodyScene& scene, const BodySpace& space, const BodyGoals& goals, const Common& options);
+  /// Over the motions of a space; the three must outlive the objective. Plays a landing of the held posture, whose
+  /// `held_value` may be known.
+  BodyObjective(const BodyScene& scene, const BodySpace& space, const BodyGoals& goals, const Common& options,
+                double held_value = kNoMotion);
 
   BodyMotion motion(const Candidate& p) const { return space_.motion(p.u); }
   const std::vector<Variable>& variables() const override { return space_.variables(); }
@@ -50,6 +52,7 @@ class BodyObjective : public Objective {
   const BodySpace& space_;
   const BodyGoals& goals_;
   const BodyGoal nominal_;
+  const double held_value_;
   mutable BodyGoal few_;       ///< the first drops of the search's goal
   double lowest_ = kNoMotion;  ///< of motions that keep the limits, where the goal is the peak
 };

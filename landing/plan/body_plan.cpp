@@ -85,14 +85,15 @@ class BodyPlanning {
     const double judged_in = judge_held();
     const auto deadline = options_.deadline.value_or(std::numeric_limits<double>::infinity());
     const double left = deadline - watch_.seconds();
-    const double reserve = std::min(kReserve * simulated + double(kFinalists) * judged_in, kMaxReserve * left);
+    const std::size_t finalists = goal() == Goal::kRobust ? kFinalists : 1;
+    const double reserve = std::min(kReserve * simulated + double(finalists) * judged_in, kMaxReserve * left);
     search(left, reserve, std::max(2 * simulated, kLeast * left));
     out_.seconds = watch_.seconds();
   }
 
  private:
-  static constexpr double kReserve = 4;    // accurate landings for which a deadline reserves time
-  static constexpr double kLeast = 0.05;   // share of the remaining time for the report on the answer
+  static constexpr double kReserve = 4;   // accurate landings for which a deadline reserves time
+  static constexpr double kLeast = 0.05;  // share of the remaining time for the report on the answer
 
   /// What the search minimises: drops that do not scatter are one.
   Goal goal() const { return goals_.search.single() ? Goal::kPeak : options_.measure ? Goal::kRobust : options_.goal; }
@@ -117,7 +118,8 @@ class BodyPlanning {
                              .accuracy = kSearchAccuracy,
                              .threads = options_.threads,
                              .deadline = left,
-                             .stop = options_.monitor.stop});
+                             .stop = options_.monitor.stop},
+                            out_.found && goal() != Goal::kRobust ? out_.held_value : kNoMotion);
     Budget budget;
     budget.seconds = left - objective.watch.seconds() - reserve;
     budget.motions =
@@ -134,10 +136,10 @@ class BodyPlanning {
       search.evaluate({&first, 1});
     }
     AutoSearch().run(search);
+    out_.evaluations = std::min(search.spent(), budget.motions);  // a descent by derivatives counts as many at once
     const Candidate best = search.judge(options_.accuracy, left - last);
     for (const Progress& p : progress)
       out_.progress.push_back({goal() == Goal::kRobust ? p.landings : p.motions, p.seconds, p.value});
-    out_.evaluations = search.spent();
     if (best.value < kNoMotion) accept_if_better(best);
     say_why();
   }

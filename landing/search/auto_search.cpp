@@ -152,6 +152,8 @@ void AutoSearch::refine_basins() {
   constexpr double kShare = 0.05, kNarrow = 0.015;
   constexpr std::size_t kLeast = 4, kRuns = 2;
   fidelity_ = profile_.goal, end_share_ = 1;
+  for (const Candidate& start : starts_)  // where there was no time for as many runs
+    if (basins_.size() < kLeast) basins_.add(start);
   const double enough = search_->share() + kShare;
   for (std::size_t i = 0; i < basins_.size() && !over() && (i < kLeast || search_->share() < enough); ++i) {
     Candidate p = basins_[i];

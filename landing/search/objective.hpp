@@ -91,7 +91,7 @@ class Objective {
   /// Under scatter: whether a motion kept the limits in the required share of the drops when it was last evaluated.
   virtual bool keeps_limits(const Candidate&) const { return true; }
 
-  /// The posture to hold that is known beforehand; absent: the box has none.
+  /// The posture to hold that is known beforehand, maybe with its value; absent: the box has none.
   virtual std::optional<Candidate> held() const = 0;
   /// Whether other postures may be held: a robot in the air holds the one that it was released in.
   virtual bool may_hold_others() const = 0;

@@ -43,11 +43,12 @@ void Search::search_held() {
   if (budget_.hold <= 0 || !known) return;
   held_ = *known;
   objective_.set_grace(kGrace);
-  evaluate_held(held_);
+  if (!(held_.value < kNoMotion)) evaluate_held(held_);
   objective_.set_grace(0);
   if (!objective_.may_hold_others()) return;
   // The peak of postures over the box, then of some around the best; the best that lie apart by the goal.
-  const auto allowed = [&](int postures) { return budget_.hold * expected_total() > postures; };
+  const auto in_time = [&] { return seconds() < budget_.hold * budget_.seconds; };
+  const auto allowed = [&](int postures) { return budget_.hold * expected_total() > postures && in_time(); };
   const int count = allowed(kRounds * kFine) ? kFine : kCoarse;
   std::array<Candidate, kFine> buffer;
   const auto postures = std::span(buffer).first(std::size_t(count));
@@ -58,7 +59,8 @@ void Search::search_held() {
     for (const Candidate& p : postures)
       if (p.value < kNoMotion) best.add(p);
   }
-  for (const Candidate& p : best) evaluate_held(p);
+  for (const Candidate& p : best)
+    if (&p == best.begin() || in_time()) evaluate_held(p);
 }
 
 /// Evaluates a posture to hold by the goal, unless its peak is the goal and known.

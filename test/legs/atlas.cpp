@@ -267,9 +267,10 @@ TEST_CASE("legs: a reader answers a fall with every joint's move in the air, and
   const AtlasOptions o = hopper_grid();
   const Atlas a = planned(scene, o);
   BodyAtlasReader reader(f.write("atlas.bin", atlas_bytes(a)), scene, {.goal = Goal::kPeak, .deadline = 0.02});
-  const BodyMotion held = held_posture(scene);
+  const std::size_t second = 1;  // the grid's drop from 0.25 m; the joints are near its motion's start
   BodyFallState state{.height = 0.25, .elapsed = 0.1};
-  for (const Motion& m : held) state.joints.push_back({m.phi_i + 0.02, 0.1});
+  for (const Motion& m : motion_of(scene, o.grid.drop(second), a.cells[second]))
+    state.joints.push_back({m.phi_i + 0.02, 0.1});
   const BodyAtlasEntry entry = reader.at(state);
   REQUIRE(entry.found);
   CHECK(entry.inside);
