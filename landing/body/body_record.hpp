@@ -27,7 +27,10 @@ double drive_torque(const System& s, int i, double t, const typename System::Sta
 /// Rotates from the floor's frame to the true one.
 struct ToLevel {
   explicit ToLevel(double slope) : c(std::cos(slope)), s(std::sin(slope)) {}
-  Vec2<double> operator()(const Vec2<double>& v) const { return {c * v.x() - s * v.y(), s * v.x() + c * v.y()}; }
+  template <class T>
+  Vec2<T> operator()(const Vec2<T>& v) const {
+    return {c * v.x() - s * v.y(), s * v.x() + c * v.y()};
+  }
   double c, s;
 };
 

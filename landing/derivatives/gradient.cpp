@@ -1,11 +1,22 @@
 #include "landing/derivatives/gradient.hpp"
 
 #include "landing/body/by_links.hpp"
-#include "landing/derivatives/paper_parameters.hpp"
+#include "landing/derivatives/body_gradient.hpp"
 
 namespace ukemi::landing {
 
 namespace {
+
+/// The parameter of the robot of links; those of the floor are of all contacts together.
+BodyParameter body_parameter(Parameter p) {
+  using Of = BodyParameter::Of;
+  const int of_drop = int(p) - int(Parameter::kHeight), of_contact = int(p) - int(Parameter::kStiffness),
+            of_drive = int(p) - int(Parameter::kKp);
+  if (of_drive >= 0) return {Of::kDrive, 0, of_drive};
+  if (of_contact >= 0) return {Of::kContact, -1, of_contact};
+  if (of_drop >= 0) return {Of::kDrop, -1, of_drop};
+  return {Of::kMotion, -1, int(p)};
+}
 
 /// The gradients by the first P of Parameter.
 template <int P>
@@ -22,16 +33,6 @@ PeakGradients<P> first_gradients(const Scene& scene, const SeaParameters<double>
 }
 
 }  // namespace
-
-BodyParameter body_parameter(Parameter p) {
-  using Of = BodyParameter::Of;
-  const int of_drop = int(p) - int(Parameter::kHeight), of_contact = int(p) - int(Parameter::kStiffness),
-            of_drive = int(p) - int(Parameter::kKp);
-  if (of_drive >= 0) return {Of::kDrive, 0, of_drive};
-  if (of_contact >= 0) return {Of::kContact, -1, of_contact};
-  if (of_drop >= 0) return {Of::kDrop, -1, of_drop};
-  return {Of::kMotion, -1, int(p)};
-}
 
 PeakGradients<kQuinticParameters> quintic_peaks(const Scene& scene, const SeaParameters<double>& sea,
                                                 const Motion& motion, const SimulateOptions& options, int max_peaks) {

@@ -8,6 +8,7 @@
 
 #include "common/csv.hpp"
 #include "common/degrees.hpp"
+#include "common/error.hpp"
 
 namespace ukemi::landing {
 
@@ -55,12 +56,27 @@ std::vector<std::string> notes_of(const CsvTable& table, const std::vector<Colum
 }  // namespace
 
 const std::vector<DropChannel>& thigh_channels() {
-  static const std::vector<DropChannel> channels = [] {
-    std::vector<DropChannel> out;
-    for (int o = 0; o < kOutputs; ++o) out.push_back({kOutputNames[o], kOutputUnits[o], jumps(DropOutput(o))});
-    return out;
-  }();
+  using enum DropChannel::Kind;
+  static const std::vector<DropChannel> channels = {{"acc", "m/s^2", true, kAcc}, {"ax", "m/s^2", true, kAccX},
+                                                    {"ay", "m/s^2", true, kAccY}, {"x_0", "m", false, kPeakX},
+                                                    {"y_0", "m", false, kPeakY},  {"phi_0", "rad", false, kTheta}};
   return channels;
+}
+
+std::vector<DropChannel> body_channels(const Robot& robot) {
+  using enum DropChannel::Kind;
+  std::vector<DropChannel> out = {
+      {"acc", "m/s^2", true, kAcc}, {"ax", "m/s^2", true, kAccX}, {"ay", "m/s^2", true, kAccY}};
+  for (int i = 0; i < int(robot.links.size()); ++i) {
+    const std::string& link_name = robot.links[std::size_t(i)].name;
+    out.push_back({"x_" + link_name, "m", false, kOriginX, i}),
+        out.push_back({"y_" + link_name, "m", false, kOriginY, i});
+    out.push_back({"theta_" + link_name, "rad", false, kTheta, i});
+  }
+  for (int i = 0; i < int(robot.joints.size()); ++i)
+    if (const Joint& j = robot.joints[std::size_t(i)]; j.kind != DriveKind::kLocked)
+      out.push_back({"phi_" + j.name, "rad", false, kPhi, i});
+  return out;
 }
 
 std::string names_of(const std::vector<DropChannel>& channels) {

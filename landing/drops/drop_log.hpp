@@ -4,17 +4,34 @@
 #include <string>
 #include <vector>
 
-#include "landing/drops/drop_rollout.hpp"
+#include "landing/body/robot.hpp"
 
 namespace ukemi::landing {
 
-/// A measured signal of a falling robot.
+/// A measured signal of a robot, in the true frame (as BodySample).
 struct DropChannel {
   std::string name, unit;  ///< unit: "m/s^2", "m" or "rad"
   bool jumps = false;      ///< it jumps at touchdowns and lift-offs
+  enum class Kind {
+    kOther,    ///< not of a drop
+    kAcc,      ///< norm of the coordinate acceleration of the peak point, g in free fall [m/s^2]
+    kAccX,     ///< its forward component [m/s^2]
+    kAccY,     ///< its upward component [m/s^2]
+    kPeakX,    ///< of the peak point, forward [m]
+    kPeakY,    ///< of the peak point, up [m]
+    kOriginX,  ///< of a link's origin, forward [m]
+    kOriginY,  ///< of a link's origin, up [m]
+    kTheta,    ///< a link's absolute angle [rad]
+    kPhi,      ///< a joint's angle [rad]
+  } kind = Kind::kOther;
+  int index = 0;  ///< of Robot::links or Robot::joints
 };
-/// The channels of the paper's robot, in the order of DropOutput.
+/// The channels of the paper's robot: of the thigh, whose centre of mass is the peak point, acc, ax, ay [m/s^2], x_0
+/// from the release, y_0 above the floor [m] and phi_0 [rad].
+enum DropOutput { kAcc, kAccX, kAccY, kThighX, kThighY, kThighAngle, kOutputs };
 const std::vector<DropChannel>& thigh_channels();
+/// acc, ax, ay; x_LINK, y_LINK, theta_LINK of each link; phi_JOINT of each joint that is not locked.
+std::vector<DropChannel> body_channels(const Robot& robot);
 /// The names of channels: "acc, ax, ay or phi_0".
 std::string names_of(const std::vector<DropChannel>& channels);
 

@@ -1,57 +1,59 @@
-// The predicted drop log of the paper's robot at the log's times, with exact derivatives through the events.
+// The predicted drop log of a robot: its outputs at the log's times, and on request their exact derivatives.
 //
-// Between events the derivatives y_p of gradient.hpp, and those of the outputs, are at a fixed time. ddr_0 jumps where
-// a point touches or leaves the floor; these times are reported. Tests: test/property/drop_rollout.cpp.
+// The acceleration of the peak point jumps where a contact touches down, its pad bottoms out, or it lifts off; these
+// times are reported. Between events the derivatives of the outputs are at a fixed time, as y_p of
+// landing/derivatives/gradient.hpp. Ours. Tests: test/legs/drops.cpp, test/property/drop_rollout.cpp.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <limits>
 #include <vector>
 
-#include "landing/derivatives/gradient.hpp"
+#include "landing/derivatives/body_gradient.hpp"
+#include "landing/drops/drop_log.hpp"
 
 namespace ukemi::landing {
 
-/// The measured signals of the thigh.
-enum DropOutput {
-  kAcc,         ///< |ddr_0|, coordinate acceleration of the centre of mass: g in free fall [m/s^2]
-  kAccX,        ///< its horizontal component [m/s^2]
-  kAccY,        ///< its vertical component [m/s^2]
-  kThighX,      ///< x_0, from the release [m]
-  kThighY,      ///< y_0, above the floor [m]
-  kThighAngle,  ///< phi_0 [rad]
-  kOutputs
+/// A number of a scene by which the outputs have exact derivatives.
+struct DropParameter {
+  const char* name;
+  BodyParameter is;
 };
-inline constexpr std::array<const char*, kOutputs> kOutputNames = {"acc", "ax", "ay", "x_0", "y_0", "phi_0"};
-inline constexpr std::array<const char*, kOutputs> kOutputUnits = {"m/s^2", "m/s^2", "m/s^2", "m", "m", "rad"};
-/// Whether an output jumps at touchdowns and lift-offs.
-inline bool jumps(DropOutput o) { return o == kAcc || o == kAccX || o == kAccY; }
-
-/// Parameters of the derivatives: kHeight .. kDampingTangential of Parameter, in this order.
-inline constexpr int kDropParameters = 6;
-inline constexpr int drop_slot(Parameter p) { return int(p) - int(Parameter::kHeight); }
-using DropDerivatives = Eigen::Matrix<double, kDropParameters, 1>;
-
-/// One instant of a drop.
-struct DropSample {
-  std::array<double, kOutputs> value;
-  std::array<double, kOutputs> rate;            ///< time derivative [unit/s]
-  std::array<DropDerivatives, kOutputs> slope;  ///< derivatives by the parameters, at a fixed time
-};
+/// Those of the drop, and of the floor's law, all contacts together.
+inline constexpr std::array<DropParameter, 6> kDropParameters = {
+    {{"height", {BodyParameter::Of::kDrop, -1, 0}},
+     {"forward_speed", {BodyParameter::Of::kDrop, -1, 1}},
+     {"pitch", {BodyParameter::Of::kDrop, -1, 2}},
+     {"stiffness", {BodyParameter::Of::kContact, -1, 0}},
+     {"damping_normal", {BodyParameter::Of::kContact, -1, 1}},
+     {"damping_tangential", {BodyParameter::Of::kContact, -1, 2}}}};
 
 struct DropRollout {
-  std::vector<DropSample> samples;  ///< one per time; fewer if the run failed
-  std::vector<double> jumps;        ///< touchdowns and lift-offs, where ddr_0 may jump, from release [s], in order
-  integrate::Status status = integrate::Status::kStepped;  ///< of the integrator, if it failed
-  bool complete = false;                                   ///< every time has a sample
-  long steps = 0;                                          ///< accepted or rejected
+  std::vector<std::vector<double>> value;  ///< of each requested channel, one per time; fewer if the run failed
+  std::vector<double> jumps;               ///< times at which accelerations may jump, from release [s], in order
+  bool complete = false;                   ///< every time has values
+  long steps = 0;                          ///< accepted or rejected
+
+  // Of a run without derivatives:
+  double first_touchdown = std::numeric_limits<double>::infinity();  ///< from release [s]
+  double peak = 0;  ///< largest acceleration of the peak point up to the last time [m/s^2]
+
+  /// Of a run with derivatives: of each channel those by kDropParameters, at a fixed time, then that by time, in
+  /// columns, at the times of `value`.
+  std::vector<Eigen::MatrixXd> slope;
 };
 
-/// Throws InputError for times that are not finite, below 0 or decrease.
-void check_drop_times(const std::vector<double>& times);
-
 /// The drop at `times` [s from release], nonnegative and not decreasing; at an event's time the left limit. Uses of the
-/// options accuracy, max_step, max_steps and over; ignores the scene's t_end. Derivatives by the constants of an absent
-/// floor are 0. A failed run is reported in `status`. Throws InputError as peak_acceleration, and for invalid times.
+/// options accuracy, max_step, max_steps and over; ignores t_end. Throws InputError as `simulate`, and for bad times.
+[[nodiscard]] DropRollout roll_drop(const BodyScene& scene, const BodyMotion& motion,
+                                    const std::vector<DropChannel>& channels, const std::vector<double>& times,
+                                    const SimulateOptions& options = {});
+/// The same with derivatives. The scene, which must be valid, is of a robot of two links.
+[[nodiscard]] DropRollout differentiated_drop(const BodyScene& scene, const BodyMotion& motion,
+                                              const std::vector<DropChannel>& channels,
+                                              const std::vector<double>& times, const SimulateOptions& options = {});
+/// The thigh_channels of the paper's robot with derivatives; those by the constants of an absent floor are 0.
 [[nodiscard]] DropRollout roll_drop(const Scene& scene, const SeaParameters<double>& sea, const Motion& motion,
                                     const std::vector<double>& times, const SimulateOptions& options = {});
 

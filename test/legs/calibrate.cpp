@@ -9,7 +9,7 @@
 
 #include "common/degrees.hpp"
 #include "common/random.hpp"
-#include "landing/drops/body_rollout.hpp"
+#include "landing/drops/drop_rollout.hpp"
 #include "test/folder.hpp"
 #include "test/legs/maximal.hpp"
 #include "test/legs/robots.hpp"
@@ -30,7 +30,7 @@ BodyLoggedDrop dropped(const BodyScene& scene, const std::vector<double>& held_d
   BodyLoggedDrop d{.log = {}, .motion = held_posture(s), .thrown = s.drop};
   for (std::size_t j = 0; j < held_deg.size(); ++j) d.motion[j] = {held_deg[j] * kDegree, held_deg[j] * kDegree, 1};
   d.log.file = "simulated";
-  const std::vector<BodyChannel> channels = body_channels(s.robot);
+  const std::vector<DropChannel> channels = body_channels(s.robot);
   d.log.output.assign(channels.size(), {});
   Random random(kSeed, draw);
   for (const MaximalRobot::Row& row : MaximalRobot(s, d.motion).run(samples, kRate)) {
@@ -39,19 +39,19 @@ BodyLoggedDrop dropped(const BodyScene& scene, const std::vector<double>& held_d
       const auto k = std::size_t(channels[c].index);
       auto& to = d.log.output[c];
       switch (channels[c].kind) {
-        case BodyChannel::Kind::kAcc:
+        case DropChannel::Kind::kAcc:
           to.push_back(row.acc.norm() + kNoiseAcc * random.normal());
           break;
-        case BodyChannel::Kind::kOriginX:
+        case DropChannel::Kind::kOriginX:
           if (k == 0 && s.robot.base == Base::kFree) to.push_back(row.origin[k].x() + kNoisePlace * random.normal());
           break;
-        case BodyChannel::Kind::kOriginY:
+        case DropChannel::Kind::kOriginY:
           if (k == 0) to.push_back(row.origin[k].y() + kNoisePlace * random.normal());
           break;
-        case BodyChannel::Kind::kTheta:
+        case DropChannel::Kind::kTheta:
           if (k == 0 && s.robot.base == Base::kFree) to.push_back(row.theta[k] + kNoiseAngle * random.normal());
           break;
-        case BodyChannel::Kind::kPhi:
+        case DropChannel::Kind::kPhi:
           to.push_back(row.phi[k] + kNoiseAngle * random.normal());
           break;
         default:
@@ -218,10 +218,10 @@ TEST_CASE("calibrate: the rollout of a robot of links is that of another simulat
        {FloorLaw{false, true, false}, {true, true, false}, {false, true, true}, {true, false, true}}) {
     const BodyScene s = drawn_floor(law, 7);
     const BodyLoggedDrop d = dropped(s, {50, -75}, 0.25, 500, 91);
-    const std::vector<BodyChannel> channels = body_channels(s.robot);
+    const std::vector<DropChannel> channels = body_channels(s.robot);
     BodyScene q = s;
     q.drop = d.thrown;
-    const BodyRollout r = roll_drop(q, d.motion, channels, d.log.t, {.accuracy = 1e-10});
+    const DropRollout r = roll_drop(q, d.motion, channels, d.log.t, {.accuracy = 1e-10});
     REQUIRE(r.complete);
     CHECK(r.first_touchdown == Approx(std::sqrt(2 * 0.25 / 9.81)));
     INFO(words(law));

@@ -178,7 +178,7 @@ std::vector<Entry> entries() {
       {"roll_drop",
        [](Input& x) {
          const DropRollout r = roll_drop(x.scene, x.actuator.sea, x.motion, x.times, x.simulate);
-         return !r.complete || std::isfinite(r.samples.back().value[kAcc]);
+         return !r.complete || std::isfinite(r.value[kAcc].back());
        }},
       {"risk",
        [](Input& x) {

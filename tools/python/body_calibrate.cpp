@@ -3,7 +3,7 @@
 
 #include <variant>
 
-#include "landing/drops/body_rollout.hpp"
+#include "landing/drops/drop_log.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/python/body.hpp"
 #include "tools/python/floor_fit.hpp"
@@ -24,11 +24,9 @@ struct BodyDropLog {
   std::vector<DropChannel> channels;
 };
 
-std::vector<DropChannel> channels_of(const BodyScene& scene) { return drop_channels(body_channels(scene.robot)); }
-
 BodyDropLog body_log_of(const BodyScene& scene, const Numbers& t, const std::map<std::string, Numbers>& outputs,
                         const std::string& name) {
-  BodyDropLog out{{}, channels_of(scene)};
+  BodyDropLog out{{}, body_channels(scene.robot)};
   out.log.file = name, out.log.t = drop_times(t, name), out.log.output.resize(out.channels.size());
   for (const auto& [output, values] : outputs) {
     const auto at = std::find_if(out.channels.begin(), out.channels.end(),
@@ -66,7 +64,7 @@ void bind_body_log(py::module_& m) {
   m.def(
       "read_drop",
       [](const Path& path, const BodyScene& scene) {
-        const std::vector<DropChannel> channels = channels_of(scene);
+        const std::vector<DropChannel> channels = body_channels(scene.robot);
         return BodyDropLog{read_drop(path, channels), channels};
       },
       py::arg("path"), py::arg("scene"), "The same of a robot of links.");
@@ -79,7 +77,7 @@ struct PlayedBodyDrop {
   std::optional<double> height, forward_speed;
 
   BodyLoggedDrop logged_drop(const BodyScene& scene) const {
-    const std::vector<DropChannel> channels = channels_of(scene);
+    const std::vector<DropChannel> channels = body_channels(scene.robot);
     if (!std::equal(channels.begin(), channels.end(), log.channels.begin(), log.channels.end(),
                     [](const DropChannel& a, const DropChannel& b) { return a.name == b.name; }))
       throw InputError(log.log.file + ": a drop of another robot");

@@ -47,7 +47,7 @@ DropLog log_of(const Numbers& t, const std::array<std::optional<Numbers>, kOutpu
   DropLog out;
   out.file = name, out.t = drop_times(t, name);
   for (std::size_t o = 0; o < kOutputs; ++o)
-    out.output[o] = drop_output(kOutputNames[o], outputs[o], out.t.size(), name);
+    out.output[o] = drop_output(thigh_channels()[o].name, outputs[o], out.t.size(), name);
   return out;
 }
 
@@ -76,10 +76,14 @@ void bind_logs(py::module_& m) {
         py::arg("name") = "drop")
       .def_readonly("name", &DropLog::file, "Its file, or the name that it was given.");
   column_property(c, "t", "Times from release [s].", &DropLog::t);
-  for (std::size_t o = 0; o < kOutputs; ++o)
+  for (std::size_t o = 0; o < kOutputs; ++o) {
+    const DropChannel& measured = thigh_channels()[o];
     column_property(
-        c, kOutputNames[o], fmt::format("Measured {} [{}]; empty where it was not.", kOutputNames[o], kOutputUnits[o]),
-        [o](auto& d) -> auto& { return d.output[o]; });
+        c, measured.name.c_str(),
+        fmt::format("Measured {} [{}]; empty where it was not.", measured.name, measured.unit), [o](auto& d) -> auto& {
+          return d.output[o];
+        });
+  }
   bind_value(c);
   bind_reader(m, "read_drop", "Reads a log of a drop (CSV).", [](const Path& path) { return read_drop(path); });
 }

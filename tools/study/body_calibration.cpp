@@ -127,7 +127,7 @@ std::vector<ContactConstant> contact_constants() {
 bool shared(const BodyScene& scene, const ContactPoint& c, const std::string& key, double common) {
   BodyScene copy = scene;
   return std::find(c.own_keys.begin(), c.own_keys.end(), key) == c.own_keys.end() &&
-         scene_number(copy, c.name + "." + key) == common;
+         *scene_numbers(copy, c.name + "." + key).front() == common;
 }
 
 /// Appends the terms of one constant to `table`, and the names of those that are free by default to out.free.
@@ -147,7 +147,7 @@ void add_terms(const BodyScene& scene, const ContactConstant& constant, std::vec
     one.name = c.name + "." + key, one.moves = {one.name}, one.words += ", of " + c.name + " alone";
     BodyScene copy = scene;
     const bool given = std::find(c.own_keys.begin(), c.own_keys.end(), key) != c.own_keys.end() && contacts.size() > 1;
-    if (!first && !given) first = scene_number(copy, one.moves[0]);
+    if (!first && !given) first = *scene_numbers(copy, one.moves[0]).front();
     if (given || !shared(scene, c, key, *first)) {
       if (constant.chosen(c)) own.push_back(one.name);
     } else {
@@ -202,15 +202,6 @@ Terms<DropTerm> choice_for(const BodyScene& scene, const Terms<DropTerm>& before
   return out;
 }
 
-/// The scene with the fitted constants.
-BodyScene scene_of(BodyScene scene, const Terms<DropTerm>& terms, const FloorFit& fit) {
-  for (const DropTerm& t : *terms.table)  // those of single contacts come last
-    if (t.is_constant())
-      for (const identify::Estimate& e : fit.parameters)
-        if (e.name == t.name && e.free) set_in(scene, t, e.value);
-  return scene;
-}
-
 /// Sets the number of fitted values, the BIC, and the rms in units of the outputs' noise.
 void set_quality(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out) {
   double deviance = 0, samples = 0, squares = 0;
@@ -226,19 +217,24 @@ void set_quality(const BodyDrops& drops, const FloorFit& fit, TriedLaw& out) {
   out.rms = std::sqrt(squares / samples), out.bic = deviance + out.fitted * std::log(samples);
 }
 
+BodyDrops simulated(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
+                    const BodyCalibrationOptions& options) {
+  return {scene, drops, body_channels(scene.robot), options.accuracy, options.threads};
+}
+
 /// A fit of the law of a scene, and its summary.
 struct LawFit {
   FloorFit fit;
   TriedLaw tried;
 };
 LawFit fit_law(const BodyScene& from, const std::vector<BodyLoggedDrop>& drops, const BodyCalibrationOptions& options) {
-  const BodyDrops simulator(from, drops, options.accuracy, options.threads);
+  const BodyDrops simulator = simulated(from, drops, options);
   LawFit out{fit_floor(simulator, options), {.law = law_of(from.robot)}};
-  out.tried.scene = scene_of(from, options.terms, out.fit);
+  out.tried.scene = fitted_scene(from, options.terms, out.fit);
   out.tried.converged = out.fit.converged, out.tried.rejected = out.fit.tests.model_rejected();
   if (!out.fit.drops.empty() && out.fit.drops[0].simulated) set_quality(simulator, out.fit, out.tried);
   if (out.fit.converged && drops.size() > 1)
-    out.tried.held_out = held_out(BodyDrops(out.tried.scene, drops, options.accuracy, options.threads), options);
+    out.tried.held_out = held_out(simulated(out.tried.scene, drops, options), options);
   return out;
 }
 
@@ -283,11 +279,6 @@ void set_verdicts(BodyCalibration& c) {
   if (c.law_rejected()) identify::distrust(c.parameters);
   if (c.converged) c.scene.uncertainty = c.uncertainty();
   c.scene.verdicts = c.verdicts();
-}
-
-void check_floor(const BodyScene& scene) {
-  if (!scene.touches())
-    throw InputError("the scene has no [floor] or no contacts: both are needed, the floor's constants as a start");
 }
 
 }  // namespace
@@ -336,7 +327,7 @@ void check_drop_arguments(const Robot& robot, const char* height, const char* fo
 void check_drops(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops) {
   check_floor(scene);
   constexpr double kAccuracy = 1e-6;
-  check_logs(BodyDrops(scene, drops, kAccuracy, 1));
+  check_logs(BodyDrops(scene, drops, body_channels(scene.robot), kAccuracy, 1));
 }
 
 BodyCalibration calibrate(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
@@ -371,7 +362,7 @@ void adopt_best_law(BodyCalibration& c, const std::vector<BodyLoggedDrop>& drops
 BodyCalibration validate(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
                          const BodyCalibrationOptions& options) {
   check_drops(scene, drops);
-  return {validate_floor(BodyDrops(scene, drops, options.accuracy, options.threads), options), scene};
+  return {validate_floor(simulated(scene, drops, options), options), scene};
 }
 
 }  // namespace ukemi::tools

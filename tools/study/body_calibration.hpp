@@ -1,5 +1,5 @@
 // Calibration of a robot of links: the constants of its contacts' laws and the pitch from logs of drops
-// (floor_fit.hpp), derivatives by finite differences of the simulation (landing/drops/body_rollout.hpp); and selection
+// (floor_fit.hpp), derivatives by finite differences of the simulation (landing/drops/drop_rollout.hpp); and selection
 // of the contact law that the drops support best.
 //
 // The search for a law is greedy: from the scene's, it fits each law that differs in one part (linear or Hunt and
@@ -22,12 +22,8 @@
 
 namespace ukemi::tools {
 
-/// One drop of a robot of links: its log, the motion that was played, and the drop's initial conditions.
-struct BodyLoggedDrop {
-  landing::DropLog log;  ///< of landing::body_channels
-  landing::BodyMotion motion;
-  landing::Drop thrown;  ///< initial conditions; the pitch is ignored: the scene's counts
-};
+/// A drop of a robot of links; its log is of landing::body_channels.
+using BodyLoggedDrop = LoggedDropOf<landing::BodyMotion>;
 
 /// Which contact law a robot has.
 struct FloorLaw {

@@ -3,43 +3,67 @@
 #include <algorithm>
 
 #include "landing/body/floor_constants.hpp"
+#include "landing/model/release.hpp"
 
 namespace ukemi::tools {
 
 using namespace landing;
 
-double& scene_number(BodyScene& scene, const std::string& name) {
-  if (name == "height") return scene.drop.height;
-  if (name == "forward_speed") return scene.drop.forward_speed;
-  return *floor_constants(scene, name).front();
-}
+namespace {
 
+/// Sets the numbers of a constant to `value`; adds `value` to those of a nuisance term.
 void set_in(BodyScene& scene, const DropTerm& term, double value) {
-  for (const std::string& name : term.moves) {
-    double& number = scene_number(scene, name);
-    number = term.is_constant() ? value : number + value;
-  }
+  for (const std::string& name : term.moves)
+    for (double* const number : scene_numbers(scene, name)) *number = term.is_constant() ? value : *number + value;
 }
 
-BodyDrops::BodyDrops(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops, double accuracy, int threads)
-    : scene_(scene),
-      drops_(drops),
-      threads_(threads),
-      channels_(body_channels(scene.robot)),
-      drop_channels_(drop_channels(channels_)) {
+/// Of DropRollout::slope the derivatives by the settings.
+Eigen::MatrixXd slope_by(const Settings& settings, const Eigen::MatrixXd& slope) {
+  std::vector<long> columns;
+  for (const Setting& s : settings) {  // one that shifts the log moves none: the last column, by time
+    const auto moved = [&](const DropParameter& p) { return !s.term->shifts_log() && s.term->moves.front() == p.name; };
+    columns.push_back(std::ranges::find_if(kDropParameters, moved) - kDropParameters.begin());
+  }
+  return slope(Eigen::all, columns);
+}
+
+}  // namespace
+
+std::vector<double*> scene_numbers(BodyScene& scene, const std::string& name) {
+  if (name == "height") return {&scene.drop.height};
+  if (name == "forward_speed") return {&scene.drop.forward_speed};
+  return floor_constants(scene, name);
+}
+
+BodyScene fitted_scene(BodyScene scene, const identify::Terms<DropTerm>& terms, const FloorFit& fit) {
+  for (const DropTerm& t : *terms.table)  // those of single contacts come last
+    if (t.is_constant())
+      for (const identify::Estimate& e : fit.parameters)
+        if (e.name == t.name && e.free) set_in(scene, t, e.value);
+  return scene;
+}
+
+BodyDrops::BodyDrops(const BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
+                     std::vector<DropChannel> channels, double accuracy, int threads, Slopes slopes)
+    : scene_(scene), drops_(drops), channels_(std::move(channels)), threads_(threads), slopes_(slopes) {
   for (std::size_t m = 0; m < drops.size(); ++m) {
     simulated_.push_back({kAcc});  // for the peak
     for (std::size_t o = 1; o < channels_.size(); ++o)
       if (drops[m].log.count(o) > 0) simulated_[m].push_back(o);
-    touchdown_.push_back(
-        roll_drop(scene_at(m, {}), drops[m].motion, {}, {drops[m].log.t.back()}, {.accuracy = accuracy})
-            .first_touchdown);
+    const BodyScene thrown = scene_at(m, {});
+    if (slopes == Slopes::kExact)
+      touchdown_.push_back(is_ballistic(thrown.drop, 0)
+                               ? fall_time(thrown.robot.gravity, thrown.drop.height, thrown.drop.vertical_speed)
+                               : 0);
+    else
+      touchdown_.push_back(
+          roll_drop(thrown, drops[m].motion, {}, {drops[m].log.t.back()}, {.accuracy = accuracy}).first_touchdown);
   }
 }
 
 double BodyDrops::value(const DropTerm& constant) const {
   BodyScene scene = scene_;
-  return scene_number(scene, constant.moves.front());
+  return *scene_numbers(scene, constant.moves.front()).front();
 }
 
 BodyScene BodyDrops::scene_at(std::size_t m, const Settings& settings) const {
@@ -55,18 +79,27 @@ FollowedDrop BodyDrops::follow(std::size_t m, const Settings& settings, const st
   FollowedDrop out;
   const BodyScene scene = scene_at(m, settings);
   if (!(scene.drop.height >= 0)) return out;
-  std::vector<BodyChannel> channels;
+  std::vector<DropChannel> channels;
   for (const std::size_t o : simulated_[m]) channels.push_back(channels_[o]);
-  BodyRollout rolled = roll_drop(scene, drops_[m].motion, channels, times, options);
+  const bool exact = slopes_ == Slopes::kExact;
+  const BodyMotion& motion = drops_[m].motion;
+  DropRollout rolled = exact ? differentiated_drop(scene, motion, channels, times, options)
+                             : roll_drop(scene, motion, channels, times, options);
   out.complete = rolled.complete, out.steps = rolled.steps, out.jumps = std::move(rolled.jumps);
   out.value.resize(channels_.size());
-  for (std::size_t k = 0; k < channels.size(); ++k) out.value[simulated_[m][k]] = std::move(rolled.value[k]);
+  if (exact) out.slope.resize(channels_.size());
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    const std::size_t o = simulated_[m][k];
+    out.value[o] = std::move(rolled.value[k]);
+    if (exact) out.slope[o] = slope_by(settings, rolled.slope[k]);
+  }
   return out;
 }
 
 bool BodyDrops::differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                               const SimulateOptions& options, FollowedDrop& followed) const {
-  constexpr double kStep = 1e-4;  // of a term's value or size: well above the rollout's own error at 1e-9
+  if (slopes_ == Slopes::kExact) return true;  // follow has set them
+  constexpr double kStep = 1e-4;               // of a term's value or size: well above the rollout's own error at 1e-9
   return finite_difference_slopes(
       settings, kStep, threads_,
       [&](const Settings& perturbed, const DropTerm& term, double step) {
@@ -79,7 +112,12 @@ bool BodyDrops::differentiate(std::size_t m, const Settings& settings, const std
 }
 
 double BodyDrops::peak(std::size_t m, const Settings& settings, double until, const SimulateOptions& options) const {
-  return roll_drop(scene_at(m, settings), drops_[m].motion, {}, {until}, options).peak;
+  BodyScene scene = scene_at(m, settings);
+  if (slopes_ == Slopes::kDifferences) return roll_drop(scene, drops_[m].motion, {}, {until}, options).peak;
+  scene.t_end = until;
+  SimulateOptions to_the_end = options;
+  to_the_end.rest = SimulateOptions::Rest::kIgnore;
+  return peak_acceleration(scene, drops_[m].motion, to_the_end).peak;
 }
 
 }  // namespace ukemi::tools

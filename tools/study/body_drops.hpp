@@ -3,22 +3,32 @@
 
 #include <vector>
 
-#include "landing/drops/body_rollout.hpp"
+#include "landing/drops/drop_rollout.hpp"
 #include "tools/study/body_calibration.hpp"
 
 namespace ukemi::tools {
 
-/// A number of a scene by name: "height", "forward_speed", or as of landing::floor_constants "pitch", "CONTACT.KEY".
-double& scene_number(landing::BodyScene& scene, const std::string& name);
-/// Sets the numbers of a constant to `value`; adds `value` to those of a nuisance term.
-void set_in(landing::BodyScene& scene, const DropTerm& term, double value);
+/// The numbers of a scene by name: "height", "forward_speed", or as of landing::floor_constants "pitch", "KEY",
+/// "CONTACT.KEY".
+std::vector<double*> scene_numbers(landing::BodyScene& scene, const std::string& name);
+/// The scene with the fitted constants.
+landing::BodyScene fitted_scene(landing::BodyScene scene, const identify::Terms<DropTerm>& terms, const FloorFit& fit);
 
-/// Keeps references to its arguments.
+/// How derivatives are made.
+enum class Slopes {
+  kDifferences,
+  kExact,  ///< of a robot of two links, by landing::kDropParameters
+};
+
+/// Keeps references to scene and drops, whose logs are of `channels`.
 class BodyDrops : public DropSimulator {
  public:
-  BodyDrops(const landing::BodyScene& scene, const std::vector<BodyLoggedDrop>& drops, double accuracy, int threads);
+  /// `accuracy` of the first touchdowns; `threads` of the differences.
+  BodyDrops(const landing::BodyScene& scene, const std::vector<BodyLoggedDrop>& drops,
+            std::vector<landing::DropChannel> channels, double accuracy, int threads,
+            Slopes slopes = Slopes::kDifferences);
 
-  const std::vector<landing::DropChannel>& channels() const override { return drop_channels_; }
+  const std::vector<landing::DropChannel>& channels() const override { return channels_; }
   std::size_t drops() const override { return drops_.size(); }
   const landing::DropLog& log(std::size_t m) const override { return drops_[m].log; }
   double value(const DropTerm& constant) const override;
@@ -27,7 +37,9 @@ class BodyDrops : public DropSimulator {
                       const landing::SimulateOptions& options) const override;
   bool differentiate(std::size_t m, const Settings& settings, const std::vector<double>& times,
                      const landing::SimulateOptions& options, FollowedDrop& followed) const override;
-  double work_factor(std::size_t settings) const override { return 0.5 * double(1 + settings); }
+  double work_factor(std::size_t settings) const override {
+    return slopes_ == Slopes::kExact ? 1 : 0.5 * double(1 + settings);
+  }
   double peak(std::size_t m, const Settings& settings, double until,
               const landing::SimulateOptions& options) const override;
 
@@ -36,9 +48,9 @@ class BodyDrops : public DropSimulator {
 
   const landing::BodyScene& scene_;
   const std::vector<BodyLoggedDrop>& drops_;
+  std::vector<landing::DropChannel> channels_;
   int threads_;
-  std::vector<landing::BodyChannel> channels_;
-  std::vector<landing::DropChannel> drop_channels_;
+  Slopes slopes_;
   std::vector<std::vector<std::size_t>> simulated_;  ///< channels that are computed, by drop
   std::vector<double> touchdown_;                    ///< first one of each drop [s]
 };

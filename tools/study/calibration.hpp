@@ -11,12 +11,7 @@
 
 namespace ukemi::tools {
 
-/// One drop: its log, the motion that was played, and the drop's initial conditions.
-struct LoggedDrop {
-  landing::DropLog log;
-  landing::Motion motion;
-  landing::Drop thrown;  ///< initial conditions; the pitch is ignored: the scene's counts
-};
+using LoggedDrop = LoggedDropOf<landing::Motion>;
 
 struct Calibration : FloorFit {
   landing::Scene scene;  ///< the given one with the fitted constants, their covariance and verdicts

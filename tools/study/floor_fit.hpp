@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/error.hpp"
 #include "common/monitor.hpp"
 #include "common/verdict.hpp"
 #include "identify/trust/profile.hpp"
@@ -45,6 +46,14 @@ struct CalibrationOptions {
   std::vector<std::string> profiles;  ///< constants whose likelihood profile is made; each must be fitted
   Monitor monitor;                    ///< progress in the fit's parts; when it stops, the last complete part is kept
   void validate() const;              ///< throws InputError
+};
+
+/// One drop: its log, the motion that was played, and its initial conditions.
+template <class Motion>
+struct LoggedDropOf {
+  landing::DropLog log;
+  Motion motion;
+  landing::Drop thrown;  ///< the pitch is ignored: the scene's counts
 };
 
 /// A simulated drop against its log.
@@ -78,6 +87,12 @@ struct FloorFit : identify::Estimates {
   std::optional<Uncertainty> uncertainty(const std::vector<std::string>* among = nullptr) const;
 };
 
+/// Throws InputError where the scene has no floor or no contacts.
+template <class Scene>
+void check_floor(const Scene& scene) {
+  if (!scene.touches())
+    throw InputError("the scene has no [floor] or no contacts: both are needed, the floor's constants as a start");
+}
 /// Throws InputError where there is no drop, or one has no measured value or ends before its first touchdown.
 void check_logs(const DropSimulator& drops);
 

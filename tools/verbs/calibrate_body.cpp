@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "common/error.hpp"
-#include "landing/drops/body_rollout.hpp"
+#include "landing/drops/drop_log.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/report/calibrate.hpp"
 #include "tools/report/results.hpp"
@@ -35,7 +35,7 @@ int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
   if (a.law == CalibrateArguments::Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
   options.monitor = run.monitor("calibrate", "parts");
   const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_at(a.motion, scene, run));
-  const auto read = [channels = drop_channels(body_channels(scene.robot))](const std::string& path) {
+  const auto read = [channels = body_channels(scene.robot)](const std::string& path) {
     return read_drop(path, channels);
   };
   const auto played = [&](const std::string&, const std::optional<std::string>& own) {
