@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "landing/body/places.hpp"
 #include "tools/report/page/kept_rows.hpp"
@@ -64,44 +65,41 @@ std::vector<landing::Place> outline(const Robot& robot, int link) {
 
 namespace {
 
-/// Bound on the parts into which kept_rows divides a trajectory.
-constexpr std::size_t kMaxFrames = 600;
-
-std::vector<std::size_t> frames_of(const Landing& l) {
-  std::vector<double> acc, hip;
-  for (const Sample& s : l.trajectory)
-    acc.push_back(s.acc),
-        hip.push_back(std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]));
-  return kept_rows({&acc, &hip}, kMaxFrames);
-}
-
-/// A quantity in rows `frames` of a trajectory, rounded to multiples of `unit`.
+/// Columns of the rows of a trajectory that the page shows: no peak of the acceleration and of `force` is lost.
 template <class Row>
-Json column_of(const std::vector<Row>& rows, const std::vector<std::size_t>& frames,
-               const std::function<double(const Row&)>& value, double unit) {
-  Json out = Json::array();
-  for (const std::size_t i : frames) out.push_back(std::round(value(rows[i]) / unit) / std::round(1 / unit));
-  return out;
+class Columns {
+ public:
+  using Value = std::function<double(const Row&)>;
+  Columns(const std::vector<Row>& rows, const Value& force) : rows_(rows) {
+    constexpr std::size_t kMaxFrames = 600;  // bound on the parts into which kept_rows divides
+    std::vector<double> acc, forces;
+    for (const Row& s : rows) acc.push_back(s.acc), forces.push_back(force(s));
+    frames_ = kept_rows({&acc, &forces}, kMaxFrames);
+  }
+  /// Rounded to multiples of `unit`.
+  Json operator()(const Value& value, double unit) const {
+    Json out = Json::array();
+    for (const std::size_t i : frames_) out.push_back(std::round(value(rows_[i]) / unit) / std::round(1 / unit));
+    return out;
+  }
+
+ private:
+  const std::vector<Row>& rows_;
+  std::vector<std::size_t> frames_;
+};
+
+Columns<Sample> columns_of(const Landing& l) {
+  return {l.trajectory,
+          [](auto& s) { return std::sqrt(s.force[kHip][0] * s.force[kHip][0] + s.force[kHip][1] * s.force[kHip][1]); }};
 }
 
-/// Times and poses in rows `frames`.
-Json motion_of(const Landing& l, const std::vector<std::size_t>& frames, double unit) {
+/// Times and poses.
+Json motion_of(const Columns<Sample>& column, double unit) {
   Json out;
   const std::pair<const char*, double Sample::*> columns[] = {
       {"t", &Sample::t}, {"x", &Sample::x0}, {"y", &Sample::y0}, {"phi_0", &Sample::phi0}, {"phi_1", &Sample::phi1}};
-  for (const auto& [name, member] : columns) out[name] = column_of<Sample>(l.trajectory, frames, member, unit);
+  for (const auto& [name, member] : columns) out[name] = column(member, unit);
   return out;
-}
-
-std::vector<std::size_t> frames_of(const BodyLanding& l) {
-  std::vector<double> acc, force;
-  for (const BodySample& s : l.trajectory) {
-    acc.push_back(s.acc);
-    double sum = 0;
-    for (const double f : s.force_y) sum += f;
-    force.push_back(sum);
-  }
-  return kept_rows({&acc, &force}, kMaxFrames);
 }
 
 Json place_json(const landing::Place& p) { return {p.along, p.across}; }
@@ -109,14 +107,11 @@ Json place_json(const landing::Place& p) { return {p.along, p.across}; }
 }  // namespace
 
 Json animation(const std::string& name, const Landing& landing, const std::vector<Landing>& ghosts, double length) {
-  const std::vector<std::size_t> frames = frames_of(landing);
-  const auto column = [&](const std::function<double(const Sample&)>& value, double unit) {
-    return column_of(landing.trajectory, frames, value, unit);
-  };
+  const Columns<Sample> column = columns_of(landing);
   Json out = {{"name", name}, {"length", length}, {"peaks", peaks_json(landing.peaks)}};
-  out.update(motion_of(landing, frames, 1e-6));
-  for (const Landing& ghost : ghosts) out["ghosts"].push_back(motion_of(ghost, frames_of(ghost), 1e-4));
-  out["acc"] = column([](const Sample& s) { return s.acc; }, 1e-2);
+  out.update(motion_of(column, 1e-6));
+  for (const Landing& ghost : ghosts) out["ghosts"].push_back(motion_of(columns_of(ghost), 1e-4));
+  out["acc"] = column(&Sample::acc, 1e-2);
   for (std::size_t j = 0; j < std::size_t(kPoints); ++j)
     out["force"].push_back(Json::array({column([j](const Sample& s) { return s.force[j][0]; }, 1e-2),
                                         column([j](const Sample& s) { return s.force[j][1]; }, 1e-2)}));
@@ -125,14 +120,12 @@ Json animation(const std::string& name, const Landing& landing, const std::vecto
 
 Json animation(const std::string& name, const BodyScene& scene, const BodyLanding& landing) {
   const Robot& robot = scene.robot;
-  const std::vector<std::size_t> frames = frames_of(landing);
-  const auto column = [&](const std::function<double(const BodySample&)>& value, double unit) {
-    return column_of(landing.trajectory, frames, value, unit);
-  };
+  const Columns<BodySample> column(landing.trajectory,
+                                   [](auto& s) { return std::accumulate(s.force_y.begin(), s.force_y.end(), 0.0); });
   Json out = {
       {"name", name}, {"peaks", peaks_json(landing.peaks, contact_name(robot))}, {"slope", std::tan(scene.slope)}};
-  out["t"] = column([](auto& s) { return s.t; }, 1e-6);
-  out["acc"] = column([](auto& s) { return s.acc; }, 1e-2);
+  out["t"] = column(&BodySample::t, 1e-6);
+  out["acc"] = column(&BodySample::acc, 1e-2);
   for (std::size_t k = 0; k < robot.links.size(); ++k) {
     Json link = {{"points", Json::array()}};
     for (const landing::Place& p : outline(robot, int(k))) link["points"].push_back(place_json(p));
