@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -14,11 +15,12 @@ const Outputs kDesignOutputs{"design", {"hit_#.csv", "hits.csv", "next.csv"}, {"
 
 using namespace identify;
 
+namespace {
+
+/// "± 3.2 %" of a relative half-width [1]; "not determined" where it is not finite.
 std::string half_width_words(double relative) {
   return std::isfinite(relative) ? fmt::format("± {:.3g} %", 100 * relative) : "not determined";
 }
-
-namespace {
 
 std::string milliseconds(double seconds) { return fmt::format("{:.2f} ms", 1e3 * seconds); }
 
@@ -46,10 +48,21 @@ Quantities<std::size_t> check_quantities(const Knowledge& k, const DesignCheck& 
       {"", "", "of", {}, [&c](auto&) { return c.repeats; }},
   };
 }
-std::vector<std::size_t> indices(const Knowledge& k) {
-  std::vector<std::size_t> out(k.constants.size());
+/// 0, ..., n - 1.
+std::vector<std::size_t> indices(std::size_t n) {
+  std::vector<std::size_t> out(n);
   std::iota(out.begin(), out.end(), std::size_t(0));
   return out;
+}
+
+/// The criterion of a design of either kind, before and after what it proposes.
+template <class Designed>
+Json criterion_json(Criterion criterion, const Designed& d) {
+  return {{"name", name(criterion)}, {"before", number(d.size_before)}, {"after", number(d.size_after)}};
+}
+template <class Designed>
+std::string criterion_words(Criterion criterion, const Designed& d) {
+  return fmt::format("the criterion ({}) goes from {:.3g} to {:.3g}", name(criterion), d.size_before, d.size_after);
 }
 
 Quantities<ProposedHit> hit_quantities(const Design& d, const DesignOptions& o) {
@@ -123,7 +136,7 @@ Quantities<RunnerUp> runner_up_quantities(const Design& d) {
 }
 
 Json report_check(Report& report, const Knowledge& k, const DesignCheck& c, const Run& run) {
-  const Table constants(check_quantities(k, c), indices(k));
+  const Table constants(check_quantities(k, c), indices(k.constants.size()));
   const std::string verdict =
       fmt::format("{} experiments simulated at the estimate and refitted, {} failed: the predicted bars {}", c.repeats,
                   c.failed, c.agrees ? "come true" : "do not come true");
@@ -132,6 +145,49 @@ Json report_check(Report& report, const Knowledge& k, const DesignCheck& c, cons
   report.paragraph(verdict + ".");
   report.table(constants);
   return {{"repeats", c.repeats}, {"failed", c.failed}, {"agrees", c.agrees}, {"constants", constants.keyed()}};
+}
+
+// --- of a robot of links ---
+
+/// Columns of a constant, given by its index: 95 % half-widths relative to its value or to `part_of`.
+Quantities<std::size_t> error_bar_quantities(const RobotDesign& d) {
+  return {
+      {"", "", "constant", {}, [&d](auto& i) { return d.constants[i]; }},
+      {"", "value", "value", "{:.6g}", [&d](auto& i) { return number(d.value[long(i)]); }},
+      {"", "unit", "unit", {}, [&d](auto& i) { return d.units[i]; }},
+      {"", "part_of", "in parts of", "{:.6g}", [&d](auto& i) { return number(d.scale[long(i)]); }},
+      {"", "half_width_before", "95 % before", half_width_words, [&d](auto& i) { return number(d.before[long(i)]); }},
+      {"", "half_width_after", "95 % after, predicted", half_width_words,
+       [&d](auto& i) { return number(d.after[long(i)]); }},
+  };
+}
+
+/// The constant with the largest relative half-width, and that.
+std::string worst_of(const RobotDesign& d, const CandidateTrial& t) {
+  if (!t.followed) return "";
+  long worst = 0;
+  const double width = t.half_width.maxCoeff(&worst);
+  return fmt::format("{} {}", d.constants[std::size_t(worst)], half_width_words(width));
+}
+
+Quantities<CandidateTrial> candidate_quantities(const RobotDesign& d) {
+  const auto number_if = [](double x, bool condition) { return condition ? number(x) : Json(); };
+  return {
+      {"rank", "rank", "rank", {}, [number_if](auto& t) { return number_if(t.rank, t.rank > 0); }},
+      {"file", "file", "commands", {}, [](auto& t) { return t.file; }},
+      {"together", "together", "criterion with those before it", "{:.3g}",
+       [number_if](auto& t) { return number_if(t.together, t.rank > 0); }},
+      {"alone", "alone", "alone", "{:.3g}", [number_if](auto& t) { return number_if(t.alone, t.followed); }},
+      {"", "", "then known worst", {}, [&d](auto& t) { return worst_of(d, t); }},
+      {"", "followed", [](auto& t) { return t.followed; }},
+  };
+}
+
+Json noise_of(const RobotDesign& d) {
+  Json out = Json::object();
+  for (std::size_t o = 0; o < d.noise.size(); ++o)
+    if (std::isfinite(d.noise[o])) out[d.channels[o].name] = number(d.noise[o]);
+  return out;
 }
 
 }  // namespace
@@ -143,14 +199,13 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   const bool found = d.status == Design::Status::kDone, agrees = !answer.check || answer.check->agrees;
   if (!found) run.warn(d.message);
   if (!agrees) run.warn("the simulated experiments scatter otherwise than predicted: see the check");
-  const Table bars(error_bar_quantities(k, d), indices(k)), hits(hit_quantities(d, o), d.hits);
+  const Table bars(error_bar_quantities(k, d), indices(k.constants.size())), hits(hit_quantities(d, o), d.hits);
   Report report("The next hits");
   report.distrust(run.warnings());
   report.heading("Error bars, 95 %, relative");
   (void)add_table(bars, report, run);
 
-  summary["criterion"] = {
-      {"name", name(o.criterion)}, {"before", number(d.size_before)}, {"after", number(d.size_after)}};
+  summary["criterion"] = criterion_json(o.criterion, d);
   summary["constants"] = bars.keyed();
   summary["in_hand"] =
       question.trials.empty() ? "the actuator's covariance" : fmt::format("{} trials", question.trials.size());
@@ -180,9 +235,9 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   }
   FirstScreen first{.sentence = d.message};
   if (found)
-    first.sentence = fmt::format("{} proposed: the criterion ({}) goes from {:.3g} to {:.3g}.",
-                                 d.hits.size() == 1 ? "One hit is" : fmt::format("{} hits are", d.hits.size()),
-                                 name(o.criterion), d.size_before, d.size_after);
+    first.sentence =
+        fmt::format("{} proposed: {}.", d.hits.size() == 1 ? "One hit is" : fmt::format("{} hits are", d.hits.size()),
+                    criterion_words(o.criterion, d));
   first.checks = {check(found, "found", found ? "" : d.message),
                   answer.check ? check(agrees, "the predicted bars come true", "by simulated experiments")
                                : Check{Check::State::kUnknown, "the predicted bars come true", "not simulated"}};
@@ -190,6 +245,47 @@ int report(const DesignQuestion& question, const DesignAnswer& answer, Json summ
   report.answer(first, run.warnings());
   report.write(run);
   return run.finish(summary, found && agrees ? kDone : kNumbers);
+}
+
+int report(const RobotDesign& d, Run& run) {
+  std::vector<CandidateTrial> order = d.candidates;
+  std::stable_sort(order.begin(), order.end(), [](const CandidateTrial& a, const CandidateTrial& b) {
+    const auto key = [](const CandidateTrial& t) {
+      return std::pair(t.rank > 0 ? t.rank : 1 << 20, t.followed ? t.alone : HUGE_VAL);
+    };
+    return key(a) < key(b);
+  });
+  for (const CandidateTrial& t : order)
+    if (!t.followed) run.warn(t.file + ": the robot cannot be simulated under these commands");
+  for (const std::string& doubt : d.doubts) run.warn(doubt);
+  if (!d.doubts.empty()) run.warn("the trials in hand reject the robot: errors to come are larger than predicted");
+  const Table bars(error_bar_quantities(d), indices(d.constants.size())), candidates(candidate_quantities(d), order);
+  const auto chosen = std::count_if(order.begin(), order.end(), [](auto& t) { return t.rank > 0; });
+  Report report("The next trials");
+  report.distrust(run.warnings());
+  report.heading("What to log next");
+  (void)add_table(candidates, report, run, "next.csv",
+                  "Candidates, the best to log next first. together: the criterion with what is in hand and all of "
+                  "lower rank; alone: with this one.");
+  report.heading("Error bars, 95 %, relative");
+  (void)add_table(bars, report, run);
+  const Json summary = {{"criterion", criterion_json(d.criterion, d)},
+                        {"constants", bars.keyed()},
+                        {"in_hand", fmt::format("{} trials", d.in_hand)},
+                        {"noise", noise_of(d)},
+                        {"candidates", candidates.objects()}};
+  FirstScreen first;
+  if (chosen > 0)
+    first.sentence = fmt::format("Log {} next: {}.", order[0].file, criterion_words(d.criterion, d));
+  else
+    first.sentence = "The robot cannot be simulated under any of these commands.";
+  const auto undetermined = std::count_if(d.after.begin(), d.after.end(), [](double x) { return !std::isfinite(x); });
+  first.checks = {check(undetermined == 0, "every constant is determined then",
+                        undetermined == 0 ? "" : fmt::format("{} stay open: other commands are needed", undetermined))};
+  if (chosen > 0) first.next = "Play them on the robot, then `ukemi identify --robot` with the new logs.";
+  report.answer(first, run.warnings());
+  report.write(run);
+  return run.finish(summary, chosen > 0 ? kDone : kNumbers);
 }
 
 }  // namespace ukemi::tools

@@ -1,8 +1,6 @@
 // Reports of `ukemi design`.
 #pragma once
 
-#include <string>
-
 #include "tools/program/output.hpp"
 #include "tools/study/experiment.hpp"
 #include "tools/study/robot_design.hpp"
@@ -11,8 +9,6 @@ namespace ukemi::tools {
 
 extern const Outputs kDesignOutputs;
 
-/// "± 3.2 %" of a relative half-width [1]; "not determined" where it is not finite.
-std::string half_width_words(double relative);
 /// Completes `summary`, which holds what was read, and writes the files. Returns the exit code.
 int report(const DesignQuestion& question, const DesignAnswer& answer, Json summary, Run& run);
 
