@@ -18,8 +18,6 @@ using namespace landing;
 
 namespace {
 
-constexpr const char* kContact = "contact";
-
 /// A joint and its index in samples.
 struct NamedJoint {
   const Joint& joint;
@@ -60,15 +58,7 @@ std::string base_words(const Robot& r) {
   return fmt::format("on a rail, {:.4g} deg from level", r.rail_direction * kDegrees);
 }
 
-const Quantities<CheckedBody> kQuantities =
-    checked_quantities<CheckedBody>("|a|", [](auto& c) { return contact_name(c.scene.robot); },
-                                    {{"", "first_touchdown", "first touchdown [s]", "{:.6f}",
-                                      [](auto& c) { return number(c.landing.contacts.first()); }},
-                                     {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }}});
-
 }  // namespace
-
-Quantities<Touch> contact_quantities(const Robot& robot) { return contact_quantities(contact_name(robot), "|a|"); }
 
 Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& like) {
   Quantities<BodyMotion> out;
@@ -81,6 +71,10 @@ Quantities<BodyMotion> motion_quantities(const Robot& robot, const BodyMotion& l
                      q.format, [value = q.value, k = i](const BodyMotion& m) { return value(m[k]); }});
     }
   return out;
+}
+
+Json motion_json(const Robot& robot, const BodyMotion& motion) {
+  return Table::of(motion_quantities(robot, motion), motion).object();
 }
 
 std::string motion_words(const Robot& robot, const BodyMotion& motion) {
@@ -166,44 +160,6 @@ void robot_tables(const BodyScene& scene, Report& report) {
         {stop_name(robot, s), stop_range(s), fmt::format("{:.4g}", s.stiffness), fmt::format("{:.4g}", s.damping)});
   if (!stops.empty()) report.table({"stop", "at", "stiffness [Nm/rad, N/m]", "damping [Nm s/rad, N s/m]"}, stops);
   floor_source(report, scene.source);
-}
-
-int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const Exports& exports, Run& run) {
-  const BodyLanding& l = c.landing;
-  const Robot& robot = c.scene.robot;
-  warn_of(l, c.sensitivity, kContact, run);
-  warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
-  warn_of(landing_doubts(c.scene, c.motion, l), run);
-  const Table table = Table::of(kQuantities, c), contacts(contact_quantities(robot), l.touches);
-  Json summary = table.object();
-  if (l.end == End::kFailed) summary["failed"] = failure_words(l, kContact);
-  summary["motion"] = Table::of(motion_quantities(robot, c.motion), c.motion).object();
-  summary["peaks"] = peaks_json(l.peaks, contact_name(robot));
-  summary["contacts"] = contacts.objects();
-  summary["joints"] = joints_json(c.scene, c.motion, l);
-  run.add("trajectory.csv", trajectory_csv(c.scene, l, run));
-  run.add("contacts.csv", contacts.csv(run,
-                                       "t = 0 at release; t_liftoff: when the contact rises through its surface again, "
-                                       "its pad's if it has one. Units: s, N, m/s^2."));
-  for (auto& [name, content] : exported(exports, c.scene, c.motion, l, run)) run.add(name, content);
-  Report report("Landing: " + c.scene.name);
-  say(table.transposed(), run);
-  report.answer({l.end == End::kFailed ? "The landing could not be followed to its end."
-                                       : landing_sentence(l.peak, held ? held->peak : std::nan("")),
-                 {converged(c.sensitivity, c.wrong()), within_ratings(c.scene, c.motion, l)},
-                 "`ukemi optimize` searches for a softer landing."},
-                run.warnings());
-  if (!c.scene.loads.empty()) summary["loads"] = report_loads(c.scene, l, "", &report, run);
-  std::vector<BodyFall> falls = {{motion_words(robot, c.motion), &l}};
-  if (held) falls.push_back({"held", &*held});
-  show(c.scene, falls, "trajectory.csv, contacts.csv", report);
-  report.distrust(run.warnings());
-  report.folded("All numbers", table.transposed());
-  report.heading("Contacts");
-  report.table(contacts);
-  robot_tables(c.scene, report);
-  report.write(run);
-  return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include "landing/plan/body_risk.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "tools/report/exports.hpp"
+#include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/report.hpp"
 #include "tools/report/trajectory.hpp"
@@ -20,22 +21,9 @@ namespace ukemi::tools {
 
 extern const Outputs kRobotOutputs;
 
-/// One of the landings shown side by side.
-struct BodyFall {
-  std::string name;  ///< "held"
-  const landing::BodyLanding* landing;
-};
-/// Adds animation and figures; falls without a trajectory are left out. `data`: name of the CSV with the numbers.
-void show(const landing::BodyScene& scene, std::vector<BodyFall> falls, const std::string& data, Report& report);
-/// The robot at release, every driven joint at the angle that the scene holds.
-Figure drawing(const landing::BodyScene& scene);
-
-RowColumns<landing::BodySample> trajectory_columns(const landing::Robot& robot);
-std::string trajectory_csv(const landing::BodyScene& scene, const landing::BodyLanding& landing, const Run& run);
-/// Columns of a table of contacts; `robot` must outlive them.
-Quantities<landing::Touch> contact_quantities(const landing::Robot& robot);
 /// phi_i_JOINT_deg ... in CSV, JOINT.phi_i_deg in JSON; `like`: a motion that tells which terms are in use.
 Quantities<landing::BodyMotion> motion_quantities(const landing::Robot& robot, const landing::BodyMotion& like);
+Json motion_json(const landing::Robot& robot, const landing::BodyMotion& motion);
 /// "hip 35, knee -70 deg" of a posture, else "hip 35 to 50 deg in 0.1 s, ...".
 std::string motion_words(const landing::Robot& robot, const landing::BodyMotion& motion);
 /// Largest demands on each joint and its drive, with their ratings.

@@ -11,7 +11,6 @@
 #include "tools/report/landing.hpp"
 #include "tools/report/landing_doubts.hpp"
 #include "tools/report/results.hpp"
-#include "tools/report/risk.hpp"
 #include "tools/report/scatter.hpp"
 
 namespace ukemi::tools {
@@ -198,31 +197,6 @@ std::optional<double> kept_share(const BodyPlan& plan) {
 }
 std::string unit_of(const BodyScene& scene) { return goal_unit(rated(scene)); }
 
-int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
-           Run& run) {
-  const Robot& robot = scene.robot;
-  Json of_motion = Table::of(motion_quantities(robot, motion), motion).object();
-  RiskTexts texts{.scene = scene.name,
-                  .source = scene.source,
-                  .motion = motion_words(robot, motion),
-                  .drops = risk.scatter
-                               ? drops_words(*risk.scatter, risk.assumed, "drives", robot.fitted() || scene.identified,
-                                             options.drops.inflate, options.drops.inexact)
-                               : kMeasuredDrops,
-                  .held = held_words(robot, held_posture(scene)),
-                  .scatter = risk.scatter,
-                  .assumed = risk.assumed,
-                  .of_motion = of_motion,
-                  .acceleration = "|a|",
-                  .point = contact_name(robot),
-                  .joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; },
-                  .load = {},
-                  .limited = scene.limited()};
-  if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
-  return report(
-      risk, texts, [&] { return worst_csv(scene, risk, run); }, run);
-}
-
 int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
            const Exports& exports, Run& run, const PlanExtras& extras) {
   const Robot& robot = scene.robot;
@@ -237,7 +211,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
     summary = table.object();
     summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
-    summary["contacts"] = Table(contact_quantities(robot), plan.landing.touches).objects();
+    summary["contacts"] = Table(contact_quantities(words_of(robot)), plan.landing.touches).objects();
     summary["joints"] = joints_json(scene, plan.motion, plan.landing);
     if (!extras.logged.empty())
       summary["logged"] = {{"peak_acceleration", extras.logged}, {"median", median(extras.logged)}};

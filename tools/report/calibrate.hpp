@@ -19,13 +19,6 @@ struct FitTexts {
   std::vector<const landing::DropLog*> logs;
   std::vector<std::string> runs = {};  ///< files of constants NAME@1, NAME@2, ...; empty: none per file
 };
-/// Of drops and their calibration.
-template <class Drops>
-FitTexts texts_of(const Drops& c) {
-  FitTexts out{c.result, {}};
-  for (const auto& d : c.drops) out.logs.push_back(&d.log);
-  return out;
-}
 /// Comments at the top of a scene file with fitted constants.
 std::string scene_comments(const Run& run, const FloorFit& fit);
 /// Writes a calibration and `files`; `laws` reports the contact laws that were tried. Returns the exit code.

@@ -62,16 +62,18 @@ Quantities<Motion> motion_quantities(const Motion& like) {
 Json motion_json(const Motion& motion) { return Table::of(motion_quantities(motion), motion).object(); }
 std::string motion_words(const Motion& motion) { return Table::of(motion_quantities(motion), motion).line(); }
 
-Quantities<Touch> contact_quantities(const PointName& name, const std::string& acceleration) {
+RobotWords words_of(const TwoLink<double>&) { return {"|ddr_0|", "point", point_name}; }
+RobotWords words_of(const Robot& robot) { return {"|a|", "contact", contact_name(robot)}; }
+
+Quantities<Touch> contact_quantities(const RobotWords& words) {
   return {
-      {"point", "point", "point", {}, [name](auto& t) { return name(t.point); }},
+      {"point", "point", "point", {}, [name = words.point](auto& t) { return name(t.point); }},
       {"t_touchdown", "t", "touchdown [s]", "{:.6f}", &Touch::t_touchdown},
       {"t_liftoff", "", "lift-off [s]", "{:.6f}", &Touch::t_liftoff},
       {"peak_force", "", "peak force [N]", "{:.4g}", &Touch::peak_force},
-      {"peak_acc", "", "peak " + acceleration + " [m/s^2]", "{:.4g}", &Touch::peak_acc},
+      {"peak_acc", "", "peak " + words.acceleration + " [m/s^2]", "{:.4g}", &Touch::peak_acc},
   };
 }
-Json contacts_json(const Landing& l) { return Table(contact_quantities(), l.touches).objects(); }
 
 std::string contact_order(const ContactOrder& contacts, const PointName& name) {
   std::string s;

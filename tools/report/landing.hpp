@@ -30,10 +30,18 @@ struct Display {
 };
 Display display(const landing::Variable& variable, const std::string& middle = "");
 
+/// How reports name what a kind of robot has.
+struct RobotWords {
+  std::string acceleration;  ///< of the peak: "|ddr_0|", "|a|"
+  const char* contact;       ///< what touches the floor: "point", "contact"
+  PointName point;           ///< of Touch::point and Peak::point
+};
+RobotWords words_of(const landing::TwoLink<double>& robot);
+/// `robot` must outlive the words.
+RobotWords words_of(const landing::Robot& robot);
+
 Quantities<landing::Motion> motion_quantities(const landing::Motion& like);
-/// `acceleration`: its symbol in tables.
-Quantities<landing::Touch> contact_quantities(const PointName& name = point_name,
-                                              const std::string& acceleration = "|ddr_0|");
+Quantities<landing::Touch> contact_quantities(const RobotWords& words);
 /// The worst peaks under one deviation each.
 Quantities<landing::Evidence> deviation_quantities();
 /// Width of the motion's basin in each variable, the tolerant peak under the heading `tolerant_peak` (empty: in files
@@ -44,33 +52,13 @@ Quantities<landing::Evidence> evidence_quantities(const std::vector<landing::Var
 Json motion_json(const landing::Motion& motion);
 /// A motion on one line.
 std::string motion_words(const landing::Motion& motion);
-Json contacts_json(const landing::Landing& landing);
+/// The same, called as of robots of links.
+inline Json motion_json(const landing::TwoLink<double>&, const landing::Motion& motion) { return motion_json(motion); }
+inline std::string motion_words(const landing::TwoLink<double>&, const landing::Motion& motion) {
+  return motion_words(motion);
+}
 /// "foot, knee, hip": the points in the order of their touchdowns; chatter left out.
 std::string contact_order(const landing::ContactOrder& contacts, const PointName& name = point_name);
-/// Quantities of a checked landing. `acceleration`: its symbol; points_of(checked): names of its points; `own`: of this
-/// kind of robot.
-template <class Checked>
-Quantities<Checked> checked_quantities(const std::string& acceleration, PointName (*points_of)(const Checked&),
-                                       const Quantities<Checked>& own) {
-  const auto checked = [](auto member) {
-    return [member](const Checked& c) { return c.sensitivity.checked ? Json(c.sensitivity.*member) : Json(); };
-  };
-  using landing::Sensitivity;
-  Quantities<Checked> out = {
-      {"", "peak_acceleration", "peak " + acceleration + " [m/s^2]", "{:.10g}", [](auto& c) { return c.landing.peak; }},
-      {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
-      {"", "error_estimate", "estimated relative error", "{:.1g}", checked(&Sensitivity::error_estimate)},
-      {"", "sensitive", checked(&Sensitivity::sensitive)},
-      {"", "sensitivity", checked(&Sensitivity::change)}};
-  out.insert(out.end(), own.begin(), own.end());
-  out.insert(out.end(),
-             {{"", "", "contacts", {}, [=](auto& c) { return contact_order(c.landing.contacts, points_of(c)); }},
-              {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
-              {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
-              {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
-              {"", "steps", [](auto& c) { return c.landing.work.steps; }}});
-  return out;
-}
 /// Why there is no landing; `point`: what touches the floor, "point" or "contact".
 std::string failure_words(const landing::RunEnd& run, const char* point = "point");
 
@@ -97,6 +85,8 @@ Series curve(const std::string& name, const std::vector<Row>& trajectory, Of of,
 Heatmap projection(const landing::PeakMap& map, int x, int y);
 /// Adds where the floor's constants come from, if the scene says so.
 void floor_source(Report& report, const std::string& source);
+inline const std::string& source_of(const landing::Scene& scene) { return scene.floor_source; }
+inline const std::string& source_of(const landing::BodyScene& scene) { return scene.source; }
 /// Adds the constants of scene and actuator.
 void constants_table(Report& report, const landing::Scene& scene, const Actuator& actuator);
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "landing/body/load.hpp"
 #include "landing/judge/survey.hpp"
-#include "tools/report/map.hpp"
+#include "tools/report/body.hpp"
+#include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 
 namespace ukemi::tools {
@@ -14,6 +16,17 @@ const Outputs kMapOutputs{"map", {"map.csv", "basins.csv", "set_scene.toml", "se
 using namespace landing;
 
 namespace {
+
+/// What the report of a map needs besides its grid.
+struct MapTexts {
+  std::vector<std::string> points;  ///< the contacts, as map.csv names them
+  std::string points_words;         ///< what the names mean
+  Table basins;
+  std::string basins_comment, basins_words;  ///< in basins.csv and on the page
+  std::vector<std::string> lines;            ///< one per basin, the best first
+  std::string best;                          ///< the best basin
+  bool rated = false;                        ///< peaks are loads divided by their ratings
+};
 
 /// Names of the contacts in the order of touchdown; longer ones than a letter are separated by spaces.
 std::string contact_names(const ContactOrder& contacts, const std::vector<std::string>& points) {
@@ -50,6 +63,30 @@ Quantities<JudgedBasin> basin_quantities(const std::vector<Variable>& variables,
   append(out, "motion/", motion_quantities(like), [](auto& b) { return b.basin.play.motion; });
   out.push_back({"peak", "peak_acceleration", "peak [m/s^2]", "{:.2f}", [](auto& b) { return b.basin.peak; }});
   append(out, "", evidence_quantities(variables, "tolerant peak [m/s^2]"), &JudgedBasin::evidence);
+  return out;
+}
+Quantities<BodyBasin> basin_quantities(const Robot& robot, const BodyMotion& like, bool rated) {
+  Quantities<BodyBasin> out;
+  append(out, "motion/", motion_quantities(robot, like), &BodyBasin::motion);
+  const auto add = [&](const char* csv, const char* json, const char* words, auto show, auto of) {
+    out.push_back({csv, json, fmt::format("{} [{}]", words, goal_unit(rated)), show, of});
+  };
+  const auto tolerant = [](const BodyBasin& b) { return number(b.tolerant); };
+  if (rated) {
+    add("largest_load", "largest_load", "largest load", "{:.4g}", &BodyBasin::peak);
+    add("tolerant_load", "tolerant_load", "tolerant", short_peak_words, tolerant);
+  } else {
+    add("peak", "peak_acceleration", "peak", "{:.2f}", &BodyBasin::peak);
+    add("tolerant_peak", "tolerant_peak", "tolerant peak", peak_words, tolerant);
+  }
+  return out;
+}
+
+Json minima_json(const BodySurvey& s) {
+  Json out = Json::array();
+  for (const GridMinimum& m : s.minima)
+    out.push_back({{"motion", motion_json(s.scene.robot, m.motion)},
+                   {rated(s.scene) ? "largest_load" : "peak_acceleration", m.peak}});
   return out;
 }
 
@@ -106,9 +143,9 @@ void warn(const MappedPeaks& s, bool basins, Run& run) {
                                                           : "keeps every limit"));
 }
 
-}  // namespace
-
-int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& extra) {
+/// Reports and writes a map. Returns the exit code. `extra`: further keys of the summary.
+template <class Mapped>
+int report_map(const Mapped& s, const MapTexts& texts, Run& run, const Json& extra = Json::object()) {
   const std::size_t points = s.map.grid.size();
   warn(s, !texts.lines.empty(), run);
   run.add("map.csv", map_csv(run, s.map, texts));
@@ -125,8 +162,8 @@ int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& ex
   run.say(fmt::format("{} landings in {:.2f} s; {} basins", points, s.map_seconds, texts.lines.size()));
   for (const std::string& line : texts.lines) run.say("  " + line);
 
-  Report report("The box of motions: " + texts.scene);
-  floor_source(report, texts.source);
+  Report report("The box of motions: " + s.scene.name);
+  floor_source(report, source_of(s.scene));
   report.paragraph(fmt::format("{} landings; {} basins. The best found: {}.", points, texts.lines.size(), texts.best));
   show(s.map, texts.rated, report);
   report.heading("Basins");
@@ -143,10 +180,10 @@ int report(const MappedPeaks& s, const MapTexts& texts, Run& run, const Json& ex
   return run.finish(summary, kDone);
 }
 
+}  // namespace
+
 int report(const Survey& s, Run& run) {
   MapTexts texts{
-      .scene = s.scene.name,
-      .source = s.scene.floor_source,
       .points = {"H", "K", "F"},
       .points_words = "H hip, K knee, F foot",
       .basins = Table(basin_quantities(s.map.variables, s.basins.empty() ? Motion{} : s.basins[0].basin.play.motion),
@@ -163,7 +200,34 @@ int report(const Survey& s, Run& run) {
                                       b.basin.peak, b.evidence.tolerant.value));
   if (!s.basins.empty())
     texts.best = fmt::format("{:.4f} m/s^2 at {}", s.basins[0].basin.peak, motion_words(s.basins[0].basin.play.motion));
-  return report(s, texts, run);
+  return report_map(s, texts, run);
+}
+
+int report(const BodySurvey& s, Run& run) {
+  const Robot& robot = s.scene.robot;
+  const bool of_loads = rated(s.scene);
+  const BodyMotion like = s.basins.empty() ? BodyMotion(robot.joints.size()) : s.basins[0].motion;
+  MapTexts texts{.points = {},
+                 .points_words = "names",
+                 .basins = Table(basin_quantities(robot, like, of_loads), s.basins),
+                 .basins_comment =
+                     "tolerant_peak: the worst within the execution tolerance; empty: one of its drops could not be "
+                     "followed, or breaks a limit.",
+                 .basins_words =
+                     "Searched from the grid's local minima over all variables, those that stand on the grid included; "
+                     "and the worst peak within the execution tolerance. The minima of the grid itself: summary.json.",
+                 .rated = of_loads};
+  for (const ContactPoint& c : robot.contacts) texts.points.push_back(c.name);
+  for (const BodyBasin& b : s.basins)
+    texts.lines.push_back(fmt::format("{}; {} {}; tolerant {}", motion_words(robot, b.motion), goal_name(of_loads),
+                                      goal_text(b.peak, of_loads), goal_text(b.tolerant, of_loads)));
+  if (!s.basins.empty())
+    texts.best =
+        fmt::format("{} at {}", goal_text(s.basins[0].peak, of_loads), motion_words(robot, s.basins[0].motion));
+  if (!s.minima.empty())
+    run.say(fmt::format("lowest of the grid: {}, {}", goal_text(s.minima[0].peak, of_loads),
+                        motion_words(robot, s.minima[0].motion)));
+  return report_map(s, texts, run, {{"minima", minima_json(s)}});
 }
 
 }  // namespace ukemi::tools

@@ -185,7 +185,7 @@ Json summary_of(const Answer& a, Run& run) {
                            {"worst", o.tolerant.samples > 0 ? number(o.tolerant.sampled) : Json()}};
   s["execution"] = {{"phi_deg", a.scene.execution.phi * kDegrees}, {"duration", a.scene.execution.duration}};
   if (a.options.search.limits.any_forbidden()) s["forbidden"] = forbidden_touches(a, run);
-  s["contacts"] = a.played() ? contacts_json(a.landing) : Json();
+  s["contacts"] = a.played() ? Table(contact_quantities(words_of(a.scene.robot)), a.landing.touches).objects() : Json();
   s["peaks"] = a.played() ? peaks_json(a.landing.peaks) : Json();
   if (a.evidence) s["evidence"]["time_s"] = a.evidence_seconds;
   s["ratings"] = a.ratings ? ratings_json(*a.ratings) : Json();

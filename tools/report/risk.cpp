@@ -25,6 +25,21 @@ using namespace landing;
 
 namespace {
 
+/// What the report of a risk needs besides its numbers.
+struct RiskTexts {
+  std::string scene, source;  ///< name; where the floor's constants come from
+  std::string motion, drops;  ///< sentences
+  std::string held;           ///< the held reference: "held at -45 deg"
+  std::string worst;          ///< risk.csv
+  std::optional<Scatter> scatter;
+  bool assumed;
+  Json of_motion;
+  RobotWords robot;
+  std::function<std::string(int)> joint = {};  ///< names of joints of a robot of links
+  std::function<Load(int)> load = {};          ///< loads of a robot of links
+  bool limited = false;                        ///< there are limits: PeakRisk::kept
+};
+
 std::string with_spaces(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
@@ -49,7 +64,7 @@ Share share_of(const RiskEvent& e, const RiskTexts& t, long of) {
                     motor = joint.empty() ? "the motor" : "the motor of " + joint;
   switch (e.kind) {
     case Kind::kTouch:
-      return {t.point(e.point), fmt::format("the {} touches", t.point(e.point)), e.drops, of};
+      return {t.robot.point(e.point), fmt::format("the {} touches", t.robot.point(e.point)), e.drops, of};
     case Kind::kSpeed:
       return {"speed_max" + key, fmt::format("{} turns faster than {:.4g} rad/s", motor, e.limit), e.drops, of};
     case Kind::kTorque:
@@ -99,24 +114,23 @@ Quantities<PeakRisk::Uncertainty> index_quantities() {
   return out;
 }
 
-template <class Drop>
-struct NumberedDrop {
-  long row;
-  const Drop& of;
-};
-/// risk.csv of the worst drops; `columns`: of their numbers by name.
-template <class Drop, class Columns>
-std::string worst_csv(const std::vector<Drop>& worst, const Columns& columns, const Run& run) {
-  using Row = NumberedDrop<Drop>;
-  std::vector<Row> rows;
-  for (const Drop& d : worst) rows.push_back({long(rows.size()) + 1, d});
-  Quantities<Row> quantities = {{"row", &Row::row}, {"peak", [](auto& d) { return d.of.peak; }}};
+/// risk.csv of the worst drops; `columns`: of their numbers, value(column, drop) in the unit of the file.
+template <class Drop, class Columns, class Value>
+std::string worst_csv(const std::vector<Drop>& worst, const Columns& columns, Value value, const Run& run) {
+  Quantities<Drop> quantities = {{"row", [&](auto& d) { return &d - worst.data() + 1; }}, {"peak", &Drop::peak}};
   for (const auto& c : columns)
-    quantities.push_back({c.name, "", [get = c.get](const Row& d) { return get(d.of.drop); }});
-  return Table(quantities, rows)
+    quantities.push_back({c.name, "", [c, value](const Drop& d) { return value(c, d.drop); }});
+  return Table(quantities, worst)
       .csv(run,
            "The worst drops, the worst first: `ukemi simulate --drop-from` replays a row. peak [m/s^2]; what does not "
            "stand here is as planned.");
+}
+/// The drops of risky ones.
+template <class Drop>
+auto drops_of(const std::vector<Drop>& worst) {
+  std::vector<decltype(Drop::drop)> out;
+  for (const Drop& d : worst) out.push_back(d.drop);
+  return out;
 }
 
 Quantities<PeakBin> bin_quantities() {
@@ -237,38 +251,34 @@ FirstScreen first_screen(const PeakRisk& r, const RiskTexts& t) {
   return out;
 }
 
-}  // namespace
-
-std::string worst_csv(const BodyScene& scene, const BodyRisk& risk, const Run& run) {
-  std::vector<BodyDrop> drops;
-  for (const BodyRisk::Drop& d : risk.worst) drops.push_back(d.drop);
-  return worst_csv(risk.worst, scattered_columns(drops, scene), run);
-}
-
-std::string drops_words(const Scatter& scatter, bool assumed, const std::string& whose, bool uncertain, double inflate,
-                        bool inexact) {
-  const std::string text = text_of(scatter);
+/// How the drops scatter, in sentences; `whose` constants scatter if `uncertain`.
+template <class Options>
+std::string drops_words(const std::optional<Scatter>& scatter, bool assumed, const std::string& whose, bool uncertain,
+                        const Options& options) {
+  if (!scatter) return "Drops as they were measured.";
+  const std::string text = text_of(*scatter);
   const std::string constants =
-      !uncertain     ? "do not scatter: no file of theirs holds [uncertainty]"
-      : inflate == 0 ? "do not scatter"
-      : inflate == 1 ? "scatter by the covariance of their fit"
-                     : fmt::format("scatter by the covariance of their fit, standard errors times {:g}", inflate);
+      !uncertain             ? "do not scatter: no file of theirs holds [uncertainty]"
+      : options.inflate == 0 ? "do not scatter"
+      : options.inflate == 1
+          ? "scatter by the covariance of their fit"
+          : fmt::format("scatter by the covariance of their fit, standard errors times {:g}", options.inflate);
   return fmt::format("Standard deviations of the drops: {}{}. The constants of the {} {}.{}",
                      text.empty() ? "none" : text, assumed ? ", assumed: nobody said" : "", whose, constants,
-                     inexact ? " The motion is played anywhere within the execution tolerance." : "");
+                     options.inexact ? " The motion is played anywhere within the execution tolerance." : "");
 }
 
-int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::string()>& worst, Run& run) {
+int report_risk(const PeakRisk& r, const RiskTexts& t, Run& run) {
   warn(r, t, run);
   const std::vector<NamedDistribution> distributions = {{"motion", r.peaks}, {t.held, r.held}};
-  const std::string what = distributed_words(t.acceleration, false);
+  const std::string what = distributed_words(t.robot.acceleration, false);
   const Table peaks(named_quantities(what), distributions);
   std::vector<Share> touches, exceedances;
   for (const RiskEvent& e : r.events)
     (e.kind == RiskEvent::Kind::kTouch ? touches : exceedances).push_back(share_of(e, t, r.peaks.samples));
   const Table touched(share_quantities("forbidden"), touches),
       exceeded(share_quantities(t.load ? "rating, stop or load" : "rating or stop"), exceedances),
-      contacts(peak_contact_quantities(t.point, r.peaks.samples), r.contacts),
+      contacts(peak_contact_quantities(t.robot.point, r.peaks.samples), r.contacts),
       indices(index_quantities(), r.uncertainties);
   const auto keyed = [](const Table& x) { return x.keyed().is_null() ? Json::object() : x.keyed(); };
   Json summary = {{"peak", peaks.object(0)},
@@ -292,7 +302,7 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
     return run.finish(summary, kNumbers);
   }
   Report page("Risk: " + t.scene);
-  if (!t.source.empty()) page.paragraph("Floor constants: " + t.source + ".");
+  floor_source(page, t.source);
   page.paragraph(t.motion + ".");
   page.paragraph(t.drops);
   add_table(peaks, page, run);
@@ -314,40 +324,54 @@ int report(const PeakRisk& r, const RiskTexts& t, const std::function<std::strin
   page.answer(first_screen(r, t), run.warnings());
   page.distrust(run.warnings());
   run.add("histogram.csv", Table(bin_quantities(), r.histogram).csv(run, "Drops by their peak [m/s^2]."));
-  if (const std::string rows = worst(); !rows.empty()) run.add("risk.csv", rows);
+  run.add("risk.csv", t.worst);
   page.write(run);
   return run.finish(summary, kDone);
 }
 
+/// What is said alike of any robot; `drops`: how they scatter.
+template <class Scene, class Motion>
+RiskTexts risk_texts(const Scene& scene, const Motion& motion, const std::optional<Scatter>& scatter, bool assumed,
+                     const std::string& drops) {
+  return {.scene = scene.name,
+          .source = source_of(scene),
+          .motion = motion_words(scene.robot, motion),
+          .drops = drops,
+          .scatter = scatter,
+          .assumed = assumed,
+          .of_motion = motion_json(scene.robot, motion),
+          .robot = words_of(scene.robot)};
+}
+
+}  // namespace
+
 int report(const RiskStudy& s, Run& run) {
-  const RiskTexts texts{.scene = s.scene.name,
-                        .source = s.scene.floor_source,
-                        .motion = motion_words(s.motion),
-                        .drops = s.scatter
-                                     ? drops_words(*s.scatter, s.assumed, "actuator", s.actuator.covariance.size() > 0,
-                                                   s.scattering.inflate, s.scattering.inexact)
-                                     : kMeasuredDrops,
-                        .held = held_words(),
-                        .scatter = s.scatter,
-                        .assumed = s.assumed,
-                        .of_motion = motion_json(s.motion),
-                        .limited = std::any_of(s.risk.events.begin(), s.risk.events.end(), [](const RiskEvent& e) {
-                          return e.kind == RiskEvent::Kind::kTouch || e.kind == RiskEvent::Kind::kStops;
-                        })};
-  const auto worst = [&] {
-    std::vector<ScatteredDrop> drops;
-    for (const RiskyDrop& d : s.risk.worst) drops.push_back(d.drop);
-    struct Column {
-      std::string name;
-      std::function<double(const ScatteredDrop&)> get;
-    };
-    std::vector<Column> columns;
-    for (const DropColumn& c : scattered_columns(drops, s.scene, s.actuator.sea))
-      columns.push_back(
-          {c.name, [c, sea = s.actuator.sea](const ScatteredDrop& d) { return c.of(numbers(d, sea)) / c.unit; }});
-    return worst_csv(s.risk.worst, columns, run);
-  };
-  return report(s.risk, texts, worst, run);
+  const std::string drops =
+      drops_words(s.scatter, s.assumed, "actuator", s.actuator.covariance.size() > 0, s.scattering);
+  RiskTexts texts = risk_texts(s.scene, s.motion, s.scatter, s.assumed, drops);
+  texts.held = held_words();
+  texts.limited = std::any_of(s.risk.events.begin(), s.risk.events.end(), [](const RiskEvent& e) {
+    return e.kind == RiskEvent::Kind::kTouch || e.kind == RiskEvent::Kind::kStops;
+  });
+  const SeaParameters<double>& sea = s.actuator.sea;
+  const auto value = [&](const DropColumn& c, const ScatteredDrop& d) { return c.of(numbers(d, sea)) / c.unit; };
+  texts.worst = worst_csv(s.risk.worst, scattered_columns(drops_of(s.risk.worst), s.scene, sea), value, run);
+  return report_risk(s.risk, texts, run);
+}
+
+int report(const BodyScene& scene, const BodyMotion& motion, const BodyRisk& risk, const BodyRiskOptions& options,
+           Run& run) {
+  const Robot& robot = scene.robot;
+  const std::string drops =
+      drops_words(risk.scatter, risk.assumed, "drives", robot.fitted() || scene.identified, options.drops);
+  RiskTexts texts = risk_texts(scene, motion, risk.scatter, risk.assumed, drops);
+  texts.held = "held: " + motion_words(robot, held_posture(scene));
+  texts.joint = [&robot](int i) { return robot.joints[std::size_t(i)].name; };
+  if (!scene.loads.empty()) texts.load = [&scene](int i) { return scene.loads[std::size_t(i)]; };
+  texts.limited = scene.limited();
+  const auto value = [](const BodyDropColumn& c, const BodyDrop& d) { return c.get(d); };
+  texts.worst = worst_csv(risk.worst, scattered_columns(drops_of(risk.worst), scene), value, run);
+  return report_risk(risk, texts, run);
 }
 
 }  // namespace ukemi::tools

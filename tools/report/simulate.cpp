@@ -4,6 +4,7 @@
 
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/exports.hpp"
 #include "tools/report/fall.hpp"
 #include "tools/report/landing.hpp"
@@ -22,30 +23,35 @@ using namespace landing;
 
 namespace {
 
-const Quantities<CheckedLanding> kQuantities = checked_quantities<CheckedLanding>(
-    "|ddr_0|", [](auto&) { return PointName(point_name); },
-    {{"",
-      "",
-      "sensitive",
-      {},
-      [](auto& c) { return !c.sensitivity.checked    ? "not checked"
-                           : c.sensitivity.sensitive ? "yes"
-                                                     : "no"; }},
-     {"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }}});
+/// Quantities of a checked landing; `own`: of this kind of robot.
+template <class Checked>
+Quantities<Checked> checked_quantities(const Checked& checked_landing, const Quantities<Checked>& own) {
+  const auto checked = [](auto member) {
+    return [member](const Checked& c) { return c.sensitivity.checked ? Json(c.sensitivity.*member) : Json(); };
+  };
+  const RobotWords words = words_of(checked_landing.scene.robot);
+  Quantities<Checked> out = {
+      {"", "peak_acceleration", "peak " + words.acceleration + " [m/s^2]", "{:.10g}",
+       [](auto& c) { return c.landing.peak; }},
+      {"", "peak_time", "its time [s]", "{:.9g}", [](auto& c) { return c.landing.t_peak; }},
+      {"", "error_estimate", "estimated relative error", "{:.1g}", checked(&Sensitivity::error_estimate)},
+      {"", "sensitive", checked(&Sensitivity::sensitive)},
+      {"", "sensitivity", checked(&Sensitivity::change)}};
+  out.insert(out.end(), own.begin(), own.end());
+  out.insert(out.end(),
+             {{"", "joint_lost", [](auto& c) { return c.landing.joint_lost; }},
+              {"", "", "contacts", {}, [=](auto& c) { return contact_order(c.landing.contacts, words.point); }},
+              {"", "end", "end", {}, [](auto& c) { return name(c.landing.end); }},
+              {"", "t_end", "end of the run [s]", "{:.4g}", [](auto& c) { return c.landing.t_end; }},
+              {"", "energy_residual", "energy residual", "{:.1e}", [](auto& c) { return c.landing.energy_residual; }},
+              {"", "steps", [](auto& c) { return c.landing.work.steps; }}});
+  return out;
+}
 
 /// "held at -45 deg", "from -45 to -60 deg in 0.1 s".
 std::string motion_name(const Motion& m) {
   if (!moves(m)) return fmt::format("held at {:.4g} deg", m.phi_i * kDegrees);
   return fmt::format("from {:.4g} to {:.4g} deg in {:.4g} s", m.phi_i * kDegrees, m.phi_f * kDegrees, m.duration);
-}
-
-FirstScreen first_screen(const CheckedLanding& c, const std::optional<Landing>& held) {
-  const bool followed = c.landing.end != End::kFailed;
-  return {followed ? landing_sentence(c.landing.peak, held ? held->peak : std::nan(""))
-                   : "The landing could not be followed to its end.",
-          {converged(c.sensitivity, c.wrong()), within_ratings(c.ratings),
-           check(!c.landing.joint_lost, "the drive keeps the joint", "")},
-          "`ukemi optimize` searches for a softer landing."};
 }
 
 void warn(const CheckedLanding& c, Run& run) {
@@ -61,40 +67,122 @@ void warn(const CheckedLanding& c, Run& run) {
   warn_of(landing_doubts(c.ratings), run);
 }
 
+void warn(const CheckedBody& c, Run& run) {
+  warn_of(c.landing, c.sensitivity, "contact", run);
+  warn_of(c.sensitivity, c.wrong(), c.accuracy, run);
+  warn_of(landing_doubts(c.scene, c.motion, c.landing), run);
+}
+
+/// What a report says of one kind of robot alone.
+template <class Checked, class Row>
+struct LandingTexts {
+  Quantities<Checked> own;  ///< see checked_quantities
+  const char* liftoff;      ///< of contacts.csv: when a touch ends
+  std::string words;        ///< of trajectory.csv
+  RowColumns<Row> columns;
+  std::pair<const char*, Json> loads;  ///< key and value of the summary: what the drives are asked for
+  std::vector<Check> checks;
+  std::map<std::string, std::string> exported;
+  std::function<void(Report&, Json& summary)> figures;
+  std::function<void(Report&)> robot;
+};
+
+/// Reports and writes a landing; `held`: peak of the held reference, NaN where it was not played.
+template <class Checked, class Row>
+int report_landing(const Checked& c, double held, const LandingTexts<Checked, Row>& t, Run& run) {
+  const auto& l = c.landing;
+  const RobotWords words = words_of(c.scene.robot);
+  const bool failed = l.end == End::kFailed;
+  const Table table = Table::of(checked_quantities(c, t.own), c), contacts(contact_quantities(words), l.touches);
+  Json summary = table.object();
+  if constexpr (std::is_same_v<Checked, CheckedLanding>)
+    summary["implicit_steps"] = l.work.implicit;  // of stiff phases
+  if (failed) summary["failed"] = failure_words(l, words.contact);
+  summary["motion"] = motion_json(c.scene.robot, c.motion);
+  summary["peaks"] = peaks_json(l.peaks, words.point);
+  summary["contacts"] = contacts.objects();
+  summary[t.loads.first] = t.loads.second;
+  CsvWriter rows = run.csv();
+  rows.comment("t = 0 at release. Two rows with one t: left and right limit of an event. " + t.words);
+  run.add("trajectory.csv", rows_csv(rows, t.columns, &RowColumn<Row>::name, l.trajectory));
+  run.add("contacts.csv",
+          contacts.csv(run, fmt::format("t = 0 at release; t_liftoff: when the {}. Units: s, N, m/s^2.", t.liftoff)));
+  for (auto& [name, content] : t.exported) run.add(name, content);
+  Report report("Landing: " + c.scene.name);
+  say(table.transposed(), run);
+  std::vector<Check> checks = {converged(c.sensitivity, c.wrong())};
+  checks.insert(checks.end(), t.checks.begin(), t.checks.end());
+  report.answer({failed ? "The landing could not be followed to its end." : landing_sentence(l.peak, held), checks,
+                 "`ukemi optimize` searches for a softer landing."},
+                run.warnings());
+  t.figures(report, summary);
+  report.distrust(run.warnings());
+  report.folded("All numbers", table.transposed());
+  report.heading("Contacts");
+  report.table(contacts);
+  t.robot(report);
+  report.write(run);
+  return run.finish(summary, failed || c.wrong() ? kNumbers : kDone);
+}
+
+constexpr const char* kData = "trajectory.csv, contacts.csv";
+
 }  // namespace
 
 int report(const CheckedLanding& c, const Actuator& actuator, const std::optional<Landing>& held,
            const Exports& exports, Run& run) {
   const Landing& l = c.landing;
   warn(c, run);
-  const Table table = Table::of(kQuantities, c), contacts(contact_quantities(), l.touches);
-  Json summary = table.object();
-  summary["implicit_steps"] = l.work.implicit;  // where a phase is stiff
-  if (l.end == End::kFailed) summary["failed"] = failure_words(l);
-  summary["motion"] = motion_json(c.motion);
-  summary["peaks"] = peaks_json(l.peaks);
-  summary["contacts"] = contacts.objects();
-  summary["ratings"] = ratings_json(c.ratings);
-  run.add("trajectory.csv", trajectory_csv(l.trajectory, run));
-  run.add(
-      "contacts.csv",
-      contacts.csv(run, "t = 0 at release; t_liftoff: when the point rises through y = 0 again. Units: s, N, m/s^2."));
-  const double start = l.contacts.first() + c.scene.detection_delay;
-  for (auto& [name, content] : exported(exports, c.motion, start, l, run)) run.add(name, content);
-  Report report("Landing: " + c.scene.name);
-  say(table.transposed(), run);
-  report.answer(first_screen(c, held), run.warnings());
-  std::vector<Fall> falls = {{motion_name(c.motion), &l}};
-  if (held) falls.push_back({motion_name(kHeld), &*held});
-  show({c.scene, actuator, falls, {}, "trajectory.csv, contacts.csv"}, report);
-  report.distrust(run.warnings());
-  report.folded("All numbers", table.transposed());
-  report.heading("Contacts");
-  report.table(contacts);
-  constants_table(report, c.scene, actuator);
-  floor_source(report, c.scene.floor_source);
-  report.write(run);
-  return run.finish(summary, l.end == End::kFailed || c.wrong() ? kNumbers : kDone);
+  const auto sensitive = [](const auto& checked) {
+    return !checked.sensitivity.checked ? "not checked" : checked.sensitivity.sensitive ? "yes" : "no";
+  };
+  const auto figures = [&](Report& report, Json&) {
+    std::vector<Fall> falls = {{motion_name(c.motion), &l}};
+    if (held) falls.push_back({motion_name(kHeld), &*held});
+    show({c.scene, actuator, falls, {}, kData}, report);
+  };
+  const auto robot = [&](Report& report) {
+    constants_table(report, c.scene, actuator);
+    floor_source(report, c.scene.floor_source);
+  };
+  return report_landing<CheckedLanding, Sample>(
+      c, held ? held->peak : std::nan(""),
+      {.own = {{"", "", "sensitive", {}, sensitive}},
+       .liftoff = "point rises through y = 0 again",
+       .words = "Units: s, m, rad, N, Nm; acc = |ddr_0|, m/s^2.",
+       .columns = trajectory_columns(),
+       .loads = {"ratings", ratings_json(c.ratings)},
+       .checks = {within_ratings(c.ratings), check(!l.joint_lost, "the drive keeps the joint", "")},
+       .exported = exported(exports, c.motion, l.contacts.first() + c.scene.detection_delay, l, run),
+       .figures = figures,
+       .robot = robot},
+      run);
+}
+
+int report(const CheckedBody& c, const std::optional<BodyLanding>& held, const Exports& exports, Run& run) {
+  const BodyLanding& l = c.landing;
+  warn(c, run);
+  const auto first_touchdown = [](const auto& checked) { return number(checked.landing.contacts.first()); };
+  const auto figures = [&](Report& report, Json& summary) {
+    if (!c.scene.loads.empty()) summary["loads"] = report_loads(c.scene, l, "", &report, run);
+    std::vector<BodyFall> falls = {{motion_words(c.scene.robot, c.motion), &l}};
+    if (held) falls.push_back({"held", &*held});
+    show(c.scene, falls, kData, report);
+  };
+  return report_landing<CheckedBody, BodySample>(
+      c, held ? held->peak : std::nan(""),
+      {.own = {{"", "first_touchdown", "first touchdown [s]", "{:.6f}", first_touchdown}},
+       .liftoff = "contact rises through its surface again, its pad's if it has one",
+       .words = "x, y, theta: each link's origin and absolute angle; acc: of the point that counts. Units: s, m, rad, "
+                "N, Nm, "
+                "m/s^2.",
+       .columns = trajectory_columns(c.scene.robot),
+       .loads = {"joints", joints_json(c.scene, c.motion, l)},
+       .checks = {within_ratings(c.scene, c.motion, l)},
+       .exported = exported(exports, c.scene, c.motion, l, run),
+       .figures = figures,
+       .robot = [&](Report& report) { robot_tables(c.scene, report); }},
+      run);
 }
 
 }  // namespace ukemi::tools

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "landing/judge/checked.hpp"
+#include "landing/body/body_run.hpp"
 #include "tools/program/output.hpp"
 
 namespace ukemi::tools {
@@ -48,8 +48,7 @@ std::string plotjuggler_csv(const RowColumns<Row>& columns, std::vector<Row> row
   return rows_csv({}, columns, &RowColumn<Row>::plotjuggler_name, rows);
 }
 
-/// trajectory.csv of the paper's robot.
-std::string trajectory_csv(const std::vector<landing::Sample>& trajectory, const Run& run);
 const RowColumns<landing::Sample>& trajectory_columns();
+RowColumns<landing::BodySample> trajectory_columns(const landing::Robot& robot);
 
 }  // namespace ukemi::tools
