@@ -31,6 +31,7 @@ struct CommonOptions {
   enum class Stdout { kText, kJson, kSilent } out = Stdout::kText;
   enum class Lines { kAnswer, kAll } lines = Lines::kAnswer;                ///< of text on stdout
   enum class Messages { kShow, kQuiet, kNone } messages = Messages::kShow;  ///< kNone: not even warnings
+  bool figures_wanted() const { return report == Report::kWrite || !figures.empty(); }
 };
 
 /// The command line as a shell takes it, for provenance.

@@ -10,7 +10,9 @@
 #include "common/error.hpp"
 #include "common/files.hpp"
 #include "landing/atlas/atlas_file.hpp"
+#include "landing/atlas/atlas_reader.hpp"
 #include "landing/atlas/body_atlas.hpp"
+#include "landing/atlas/body_atlas_reader.hpp"
 #include "landing/atlas/two_link_atlas.hpp"
 #include "landing/body/robot_file.hpp"
 #include "landing/model/scene_file.hpp"
@@ -21,7 +23,6 @@
 #include "tools/report/atlas.hpp"
 #include "tools/report/body.hpp"
 #include "tools/report/body_scene_text.hpp"
-#include "tools/verbs/atlas_ask.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
 #include "tools/verbs/scattering.hpp"
@@ -290,6 +291,63 @@ double single_value(const char* option, const std::string& text, double unit, do
   return value;
 }
 
+/// The drop of --ask; `fallback`: that of the scene.
+Drop drop_of(const AtlasArguments& a, const Drop& fallback) {
+  return {.height = single_value("--height", a.height, 1, fallback.height),
+          .forward_speed = single_value("--speed", a.speed, 1, fallback.forward_speed),
+          .pitch = single_value("--pitch-deg", a.pitch, kDegrees, fallback.pitch)};
+}
+
+AtlasReaderOptions reading_of(Goal goal) {
+  return {.goal = goal, .accuracy = 1e-7, .deadline = 600};  // long: no robot is falling
+}
+
+/// What an atlas says of the scene's drop, without peaks and motion.toml.
+template <class Scene, class Entry>
+AtlasLookup lookup_of(const Scene& scene, const Entry& entry, const AtlasArguments& a) {
+  AtlasLookup out{
+      .scene = scene.name, .drop = scene.drop, .inside = entry.inside, .found = entry.found, .holds = entry.holds};
+  out.goal = a.goal == Goal::kPeak ? "peak" : "tolerant peak", out.value = entry.value;
+  if (!entry.found) return out;
+  if (!entry.holds) out.planned = MappedAtlas(in(a.ask, kBinary)).header().grid.drop(entry.drop);
+  out.motion = motion_json(scene.robot, entry.motion), out.motion_words = motion_words(scene.robot, entry.motion);
+  return out;
+}
+
+AtlasLookup ask_body(const AtlasArguments& a, Run& run) {
+  BodyScene scene = body_of(in(a.ask, "scene.toml"), {}, run);
+  BodyAtlasReader reader(in(a.ask, kBinary), scene, reading_of(a.goal));
+  const Drop drop = drop_of(a, scene.drop);
+  const auto single = [](double x) { return AtlasAxis{x, x, 1}; };
+  BodyAtlas(scene).validate({{single(drop.height), single(drop.forward_speed), single(drop.pitch)}});
+  scene.drop = drop;
+  const BodyAtlasEntry entry = reader.at(scene.drop);
+  if (!entry.wrong.empty()) throw InputError("--ask: " + entry.wrong);
+  AtlasLookup out = lookup_of(scene, entry, a);
+  out.unit = unit_of(scene);
+  if (!entry.found) return out;
+  out.peak = simulate(scene, entry.motion).peak, out.held = simulate(scene, held_posture(scene)).peak;
+  out.motion_toml = body_motion_toml(entry.motion, scene.robot, run.provenance_text());
+  return out;
+}
+
+AtlasLookup ask_two_link(const AtlasArguments& a, Run& run) {
+  const std::string file = in(a.ask, "actuator.toml");
+  run.input(file);
+  Scene scene = scene_of(in(a.ask, "scene.toml"), run);
+  const SeaParameters<double> sea = read_actuator(file).sea;
+  AtlasReader reader(in(a.ask, kBinary), scene, sea, reading_of(a.goal));
+  scene.drop = drop_of(a, scene.drop);
+  scene.validate();
+  const AtlasEntry entry = reader.at(scene.drop);
+  AtlasLookup out = lookup_of(scene, entry, a);
+  if (!entry.found) return out;
+  out.peak = simulate(scene, entry.sea, entry.motion).peak;
+  out.held = entry.holds ? out.peak : simulate(scene, sea, kHeld).peak;
+  out.motion_toml = to_toml(entry.motion, run.provenance_text());
+  return out;
+}
+
 int run_ask(const AtlasArguments& a, const CommonOptions& common) {
   if (!a.merge.empty() || !a.scene.empty() || !a.actuators.empty() || !a.shard.empty() || a.robust || a.evaluations ||
       a.limited())
@@ -298,14 +356,8 @@ int run_ask(const AtlasArguments& a, const CommonOptions& common) {
         "effect: "
         "the atlas has");
   Run run(kAtlasOutputs, common);
-  return ask_atlas(
-      a.ask, a.goal,
-      [&](const Drop& scene) {
-        return Drop{.height = single_value("--height", a.height, 1, scene.height),
-                    .forward_speed = single_value("--speed", a.speed, 1, scene.forward_speed),
-                    .pitch = single_value("--pitch-deg", a.pitch, kDegrees, scene.pitch)};
-      },
-      run);
+  run.input(in(a.ask, kBinary));
+  return report(is_of_links(in(a.ask, "scene.toml")) ? ask_body(a, run) : ask_two_link(a, run), run);
 }
 
 int run_atlas(const AtlasArguments& a, const CommonOptions& common) {

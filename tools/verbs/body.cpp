@@ -1,4 +1,4 @@
-// ukemi simulate, optimize and risk of a robot of links; ukemi robot.
+// Reading of robots of links and of options for them; ukemi robot.
 #include "tools/verbs/body.hpp"
 
 #include <fmt/format.h>
@@ -6,29 +6,19 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 
 #include "common/csv.hpp"
-#include "common/degrees_doubt.hpp"
 #include "common/error.hpp"
-#include "common/files.hpp"
-#include "common/stopwatch.hpp"
 #include "landing/body/places.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "landing/plan/body_drop_file.hpp"
 #include "landing/plan/body_goal.hpp"
-#include "landing/plan/body_least_breaking.hpp"
-#include "landing/plan/body_risk.hpp"
 #include "landing/plan/body_space.hpp"
-#include "landing/plan/checked_body.hpp"
 #include "landing/plan/scene_doubts.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
-#include "tools/program/interrupt.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/body.hpp"
-#include "tools/report/results.hpp"
-#include "tools/report/scatter.hpp"
 #include "tools/report/scene_edit.hpp"
 #include "tools/robots/projection.hpp"
 
@@ -63,40 +53,6 @@ void note_files(const BodyScene& scene, const std::string& path, Run& run) {
   for (const std::string& drive : scene.drive_files) warn_of_unknown_ratings(actuator_of(drive, run), drive, run);
 }
 
-/// The motion that holds every driven joint: as in the scene, or at NAME=DEG,... without a move in the air; with a
-/// single driven joint DEG alone is allowed.
-BodyMotion posture(const BodyScene& scene, const std::string& text, Run& run) {
-  BodyMotion out = held_posture(scene);
-  std::vector<std::string> names;
-  for (const Joint& j : scene.robot.joints)
-    if (j.driven()) names.push_back(j.name);
-  std::vector<std::string> held;
-  for (const std::string& item : split(text)) {
-    const bool plain = item.find('=') == std::string::npos && names.size() == 1;
-    const Assignment a = plain ? Assignment{names[0], item} : assignment("--hold", item);
-    const std::string& name = names.empty() ? a.name : names[choice_index("--hold", a.name, names)];
-    if (std::find(held.begin(), held.end(), name) != held.end())
-      throw InputError("--hold: " + quoted(name) + ": named twice");
-    held.push_back(name);
-    const double degrees = to_number("--hold", a.value);
-    if (std::abs(degrees) > 360)
-      throw InputError(fmt::format("--hold: {}: degrees from -360 to 360 are needed", degrees));
-    if (const std::string doubt = radians_doubt("--hold", degrees); !doubt.empty()) run.warn(doubt);
-    for (std::size_t i = 0; i < out.size(); ++i)
-      if (scene.robot.joints[i].driven() && scene.robot.joints[i].name == name)
-        out[i].phi_i = out[i].phi_f = degrees * kDegree, out[i].reposition.reset();
-  }
-  if (names.empty() && !text.empty()) throw InputError("--hold: no joint of this robot is driven");
-  return out;
-}
-
-BodyMotion motion_of(const BodyScene& scene, const MotionArguments& a, Run& run) {
-  if (!a.file.empty() && a.hold) throw InputError("--motion, --hold: one of them is needed, not both");
-  if (a.file.empty()) return posture(scene, a.hold.value_or(""), run);
-  run.input(a.file);
-  return read_body_motion(a.file, scene.robot);
-}
-
 }  // namespace
 
 std::optional<double> checked_height(const std::optional<double>& height) {
@@ -105,6 +61,10 @@ std::optional<double> checked_height(const std::optional<double>& height) {
   return height;
 }
 
+void add_scene(CLI::App& verb, SceneArguments& a) {
+  verb.add_option("SCENE", a.scene, "scene file (TOML)")->required();
+  add_actuators(verb, a.actuators), add_set(verb, a.set);
+}
 void add_actuators(CLI::App& verb, std::vector<std::string>& actuators) {
   verb.add_option("--actuator", actuators,
                   "actuator file (TOML); of a robot of links JOINT=FILE, once for each joint that its file leaves open")
@@ -132,9 +92,9 @@ SceneEdit edited(const std::string& path, const BodyScene& scene, const std::vec
 
 }  // namespace
 
-Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
-                   const std::optional<double>& height, const std::vector<std::string>& set) {
-  return set.empty() ? Texts{} : edited(path, read_edited(path, drives_of(actuators), height, {}), set).texts();
+Texts edited_texts(const SceneArguments& a) {
+  if (a.set.empty()) return {};
+  return edited(a.scene, read_edited(a.scene, drives_of(a.actuators), a.height, {}), a.set).texts();
 }
 
 namespace {
@@ -291,31 +251,19 @@ std::string only_actuator(const std::vector<std::string>& given, const std::stri
   return given[0];
 }
 
-int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
-  Run run(kSimulateOutputs, common);
-  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
-  check_exports(a.exports, scene.robot);
-  BodyMotion motion = motion_of(scene, a.motion, run);
-  if (!a.drop_from.empty()) {
-    const BodyDrop drop = drop_from(
-        a.drop_from, [&](const std::string& path) { return read_drops(path, scene); }, run);
-    motion = drop.played(motion), scene = drop.scene;
-  }
-  const double rate = checked_rate(a.rate.value_or(1000));
-  SimulateOptions options;
-  options.accuracy = a.accuracy.value_or(options.accuracy);
-  options.validate();
-  const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
-  const CheckedBody checked = checked_body(scene, motion, options, rate);
-  return report(checked, beside ? held_landing(checked, rate) : std::nullopt, a.exports, run);
-}
-
 std::shared_ptr<const std::vector<BodyDrop>> measured_drops(const ScatterArguments& a, const BodyScene& scene,
                                                             Run& run) {
   if (a.drops.empty()) return nullptr;
   a.check_measured();
   run.input(a.drops);
   return std::make_shared<const std::vector<BodyDrop>>(read_drops(a.drops, scene));
+}
+
+std::optional<long> scattered_samples(const OptimizeArguments& a) {
+  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
+  if (a.samples && !(*a.samples >= 16 && *a.samples <= 4096))
+    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", *a.samples));
+  return a.samples;
 }
 
 BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
@@ -325,7 +273,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
   };
   refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
-  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
+  BodyScene scene = body_of(a, run);
   apply_freedom(a.freedom, scene, run);
   forbid(scene, a.forbid, "--forbid");
   return scene;
@@ -348,56 +296,6 @@ BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& co
   out.validate();
   if (out.scatter) (void)BodyDropModel(scene, *out.scatter);  // refuses numbers that this base does not have
   return out;
-}
-
-int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
-  const Stopwatch watch(Stopwatch::Time::kWall);
-  Run run(kOptimizeOutputs, common);
-  BodyScene scene = scene_to_plan(a, run);
-  check_exports(a.exports, scene.robot);
-  if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
-  const double rate = checked_rate(a.rate);
-  BodyPlanOptions options = plan_options(a, common, scene, run);
-  check_share(scene, a.share, "--share");
-  options.deadline = a.deadline;
-  options.validate();
-  const bool drawn = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
-                     a.exports.has(Exports::Format::kPlotJuggler);
-  options.rate = drawn && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
-  if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
-  options.monitor = run.monitor("optimize", options.measure ? "landings" : "motions");
-  std::vector<double> logged;
-  if (!a.logs.files.empty()) {
-    if (a.deadline) throw InputError("--log: not with --deadline: following a log takes its own time");
-    logged = logged_peaks(a.scene, edited_texts(a.scene, a.actuators, a.height, a.set), a.logs, common, run);
-  }
-  const std::string limit = a.deadline
-                                ? fmt::format("{:g} s", *a.deadline)
-                                : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
-                                              options.measure ? "landings" : "motions");
-  run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}", goal_words(scene, options), scene.name,
-                       BodySpace(scene).dimension(), limit, options.seed));
-  const BodyPlan best = plan(scene, options);
-  options.deadline = a.deadline;
-  std::optional<BodyLeastBreaking> least;
-  if (!best.found && !a.deadline && !interrupted()) least = least_breaking(scene, options);
-  return report(scene, best, options, rate, a.exports, run, {.least = least, .logged = logged});
-}
-
-int risk_body(const RiskArguments& a, const CommonOptions& common) {
-  Run run(kRiskOutputs, common);
-  BodyScene scene = body_of(a.scene, a.actuators, run, "--actuator", {}, a.set);
-  forbid(scene, a.forbid, "--forbid");
-  const BodyMotion motion = motion_of(scene, a.motion, run);
-  BodyRiskOptions options;
-  options.samples = samples_of(a);
-  options.measured = measured_drops(a.scatter, scene, run);
-  options.scatter = scatter_of(a.scatter);
-  options.drops = {.inflate = inflate_of(a.scatter, scene, run),
-                   .inexact = a.execution == RiskArguments::Execution::kInexact};
-  options.seed = common.seed, options.threads = common.threads;
-  options.monitor = run.monitor("risk", "landings");
-  return report(scene, motion, body_risk(scene, motion, options), options, run);
 }
 
 namespace {

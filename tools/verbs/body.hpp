@@ -1,18 +1,13 @@
-// simulate, optimize, risk, compare and map of a robot of links, the verb `robot`, and their shared options.
+// What verbs of robots of links share: reading of scenes, options; --actuator and --set of both kinds of robot.
 #pragma once
-
-#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "common/error.hpp"
 #include "landing/body/robot_file.hpp"
-#include "landing/judge/map.hpp"
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_plan.hpp"
 #include "tools/verbs/runs.hpp"
@@ -32,20 +27,21 @@ std::optional<double> checked_height(const std::optional<double>& height);
 landing::BodyScene body_of(const std::string& path, const std::vector<std::string>& actuators, Run& run,
                            const std::string& option = "--actuator", const std::optional<double>& height = {},
                            const std::vector<std::string>& set = {});
-/// Adds --actuator of a verb for both kinds of robot.
+inline landing::BodyScene body_of(const SceneArguments& a, Run& run) {
+  return body_of(a.scene, a.actuators, run, "--actuator", a.height, a.set);
+}
+/// Adds SCENE, --actuator and --set.
+void add_scene(CLI::App& verb, SceneArguments& arguments);
+/// Adds --actuator.
 void add_actuators(CLI::App& verb, std::vector<std::string>& actuators);
 /// Adds --set.
 void add_set(CLI::App& verb, std::vector<std::string>& set);
 /// Throws InputError where --set is given: for the paper's robot.
 void refuse_set(const std::vector<std::string>& set);
 /// The files of a scene as edited by --set. Throws InputError with the place in the file.
-landing::Texts edited_texts(const std::string& path, const std::vector<std::string>& actuators,
-                            const std::optional<double>& height, const std::vector<std::string>& set);
-/// Throws InputError where an option is `given` that robots of links do not support.
+landing::Texts edited_texts(const SceneArguments& arguments);
 /// Applies --bumps, --landing-gains and --release-... to the scene. Throws InputError.
 void apply_freedom(const FreedomArguments& arguments, landing::BodyScene& scene, Run& run);
-/// Warns where two drives differ in their feedback.
-void warn_of_feedback(Feedback nominal, Feedback identified, const std::string& joint, Run& run);
 /// The scene that optimize and trade plan for, with its drives, variables of the motion and forbidden contacts. Throws
 /// InputError for options that robots of links do not support.
 landing::BodyScene scene_to_plan(const OptimizeArguments& arguments, Run& run);
@@ -57,62 +53,18 @@ landing::BodyPlanOptions plan_options(const OptimizeArguments& arguments, const 
 /// The drops of --drops; null without it. Throws InputError where what draws drops is given too.
 std::shared_ptr<const std::vector<landing::BodyDrop>> measured_drops(const ScatterArguments& arguments,
                                                                      const landing::BodyScene& scene, Run& run);
+/// --samples of a plan for drops that scatter; absent: the default. Throws InputError.
+std::optional<long> scattered_samples(const OptimizeArguments& arguments);
 /// Parse --scatter, and check --inflate.
 std::optional<landing::Scatter> scatter_of(const ScatterArguments& arguments);
 double inflate_of(const ScatterArguments& arguments, const landing::BodyScene& scene, Run& run);
 
-struct SimulateArguments {
-  std::string scene, drop_from;
-  std::vector<std::string> set;  ///< KEY=VALUE
-  std::optional<double> height;
-  std::vector<std::string> actuators;
-  MotionArguments motion;
-  std::optional<double> rate, accuracy;
-  Exports exports;
-};
-struct RiskArguments {
-  std::string scene;
-  std::vector<std::string> set;  ///< KEY=VALUE
-  std::vector<std::string> actuators;
-  MotionArguments motion;
-  ScatterArguments scatter;
-  std::optional<long> samples;
-  enum class Execution { kExact, kInexact } execution = Execution::kExact;
-  std::vector<std::string> forbid;
-};
-struct MapArguments {
-  std::string scene, slice, vary;
-  std::vector<std::string> set;  ///< KEY=VALUE
-  std::vector<std::string> actuators;
-  std::vector<int> grid;  ///< paper's robot only; empty: default
-  FreedomArguments freedom;
-  int polish = landing::MapOptions().polished;
-};
 struct TradeArguments {
   OptimizeArguments plan;  ///< of each design
   std::vector<std::string> vary, merge;
   std::vector<std::string> vary_options = {};  ///< which options gave `vary`; empty: --vary
   std::string pareto, shard;
 };
-/// Parses FILE:ROW of --drop-from.
-std::pair<std::string, std::size_t> drop_row(const std::string& text);
-/// The drop of --drop-from; `read`: the drops of a file.
-template <class Read>
-auto drop_from(const std::string& text, Read&& read, Run& run) {
-  const auto [file, row] = drop_row(text);
-  run.input(file);
-  const auto drops = read(file);
-  if (row > drops.size())
-    throw InputError(fmt::format("--drop-from: {}: the file has {} row(s)", ukemi::quoted(text), drops.size()));
-  return drops[row - 1];
-}
-/// Checks --samples.
-long samples_of(const RiskArguments& arguments);
-int simulate_body(const SimulateArguments& arguments, const CommonOptions& common);
-int risk_body(const RiskArguments& arguments, const CommonOptions& common);
-int optimize_body(const OptimizeArguments& arguments, const CommonOptions& common);
-int map_body(const MapArguments& arguments, const CommonOptions& common);
 int run_trade(const TradeArguments& arguments, const CommonOptions& common);
-int compare_body(const CompareArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

@@ -7,10 +7,12 @@
 
 #include "common/error.hpp"
 #include "landing/body/robot_file.hpp"
+#include "landing/drops/drop_log.hpp"
 #include "landing/model/scene_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
+#include "tools/report/calibrate.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/report/results.hpp"
 #include "tools/study/calibration.hpp"
@@ -98,8 +100,8 @@ bool refers_to(const std::string& drop, const std::string& path) {
   const std::filesystem::path p(path);
   return drop == path || drop == p.filename().string() || drop == p.stem().string();
 }
-}  // namespace
 
+/// The VALUE for a drop among an option's items DROP=VALUE.
 std::optional<std::string> value_of(const std::string& option, const std::vector<std::string>& items,
                                     const std::string& path) {
   for (const std::string& item : items)
@@ -107,10 +109,8 @@ std::optional<std::string> value_of(const std::string& option, const std::vector
   return {};
 }
 
-namespace {
-
 /// Throws InputError where an item names a drop that is not given, or one that an item before it has named.
-void check(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
+void check_items(const std::string& option, const std::vector<std::string>& items, const CalibrateArguments& a) {
   std::vector<std::string> drops = a.drops, named;
   drops.insert(drops.end(), a.validate.begin(), a.validate.end());
   for (const std::string& item : items) {
@@ -123,12 +123,7 @@ void check(const std::string& option, const std::vector<std::string>& items, con
   }
 }
 
-}  // namespace
-
-void check_drop_names(const CalibrateArguments& a) {
-  check("--motion-of", a.motion_of, a), check("--height-of", a.height_of, a), check("--speed-of", a.speed_of, a);
-}
-
+/// Applies --height-of and --speed-of.
 void set_drop(const CalibrateArguments& a, const std::string& path, Drop& drop) {
   if (const auto height = value_of("--height-of", a.height_of, path)) {
     drop.height = to_number("--height-of", *height);
@@ -143,11 +138,73 @@ void warn_of_log(const DropLog& log, Run& run) {
     run.warn(fmt::format("{}: {} rows before the release (t < 0) are left out", log.file, log.before_release));
 }
 
-namespace {
+template <class LoggedDrop>
+struct GivenDrops {
+  std::vector<LoggedDrop> fitted, unseen;
+};
+/// The drops that the arguments name, checked: each log is `read(path)`; it is thrown as the scene says, unless the
+/// arguments do; its motion is `played(path, own)`, `own` the file of --motion-of.
+template <class LoggedDrop, class Scene, class Read, class Played>
+GivenDrops<LoggedDrop> given_drops(const CalibrateArguments& a, const Scene& scene, Run& run, Read&& read,
+                                   Played&& played) {
+  check_items("--motion-of", a.motion_of, a), check_items("--height-of", a.height_of, a);
+  check_items("--speed-of", a.speed_of, a);
+  for (const std::string& twice : duplicate_warnings(a.drops)) run.warn(twice);
+  GivenDrops<LoggedDrop> out;
+  for (const auto& [paths, drops] : {std::pair(&a.drops, &out.fitted), {&a.validate, &out.unseen}}) {
+    for (const std::string& path : *paths) {
+      run.input(path);
+      const auto own = value_of("--motion-of", a.motion_of, path);
+      LoggedDrop d{.log = read(path), .motion = played(path, own), .thrown = scene.drop};
+      set_drop(a, path, d.thrown);
+      warn_of_log(d.log, run);
+      drops->push_back(std::move(d));
+    }
+  }
+  check_drops(scene, out.fitted);
+  if (!out.unseen.empty()) check_drops(scene, out.unseen);
+  for (const std::string& known : overlap_warnings(a.drops, a.validate)) run.warn(known);
+  run.info(fmt::format("fitting {} drops", out.fitted.size()));
+  return out;
+}
 
 Motion motion_of(const std::string& path, Run& run) {
   run.input(path);
   return read_motion(path);
+}
+
+BodyMotion motion_of(const std::string& path, const BodyScene& scene, Run& run) {
+  run.input(path);
+  return read_body_motion(path, scene.robot);
+}
+
+int calibrate_body(const CalibrateArguments& a, const CommonOptions& common) {
+  Run run(kCalibrateOutputs, common);
+  const BodyScene scene = body_of(a.scene, a.actuators, run);
+  check_drop_arguments(scene.robot, a.height_of.empty() ? nullptr : "--height-of",
+                       a.speed_of.empty() ? nullptr : "--speed-of");
+  BodyCalibrationOptions options;
+  options.terms = drop_choice(scene);
+  if (options.terms.free.empty()) throw InputError(Location{a.scene}, "no contact: there is nothing to fit");
+  set_options(a, common, options);
+  options.threads = common.threads;
+  if (a.law == CalibrateArguments::Law::kOnly) options.rivals = BodyCalibrationOptions::Rivals::kNone;
+  options.monitor = run.monitor("calibrate", "parts");
+  const auto motion = a.motion.empty() ? std::nullopt : std::optional(motion_of(a.motion, scene, run));
+  const auto read = [channels = body_channels(scene.robot)](const std::string& path) {
+    return read_drop(path, channels);
+  };
+  const auto played = [&](const std::string&, const std::optional<std::string>& own) {
+    return own ? motion_of(*own, scene, run) : motion ? *motion : held_posture(scene);
+  };
+  auto [drops, unseen] = given_drops<BodyLoggedDrop>(a, scene, run, read, played);
+  BodyCalibratedDrops fitted{std::move(drops), {}};
+  fitted.result = calibrate(scene, fitted.drops, options);
+  if (a.law == CalibrateArguments::Law::kAsked) adopt_best_law(fitted.result, fitted.drops, options);
+  std::optional<BodyCalibratedDrops> validation;
+  if (!unseen.empty() && !options.monitor.stopped())
+    validation = {unseen, validate(fitted.result.scene, unseen, options)};
+  return report(a.scene, fitted, validation, a.doubt, run);
 }
 
 int run_calibrate(const CalibrateArguments& a, const CommonOptions& common) {

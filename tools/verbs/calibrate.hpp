@@ -1,14 +1,10 @@
 // calibrate, for both kinds of robot.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "landing/drops/drop_log.hpp"
-#include "tools/program/arguments.hpp"
 #include "tools/program/output.hpp"
 #include "tools/report/estimates.hpp"
 #include "tools/study/floor_fit.hpp"
@@ -34,44 +30,5 @@ std::vector<std::string> named_terms(const std::vector<DropTerm>& table, const s
                                      const std::string& list, identify::Term::Role role);
 /// Sets the options of a fit from the arguments, by the names in its table of terms.
 void set_options(const CalibrateArguments& arguments, const CommonOptions& common, CalibrationOptions& options);
-/// Throws InputError where an option names a drop that is not given.
-void check_drop_names(const CalibrateArguments& arguments);
-/// The VALUE for a drop among an option's items DROP=VALUE.
-std::optional<std::string> value_of(const std::string& option, const std::vector<std::string>& items,
-                                    const std::string& path);
-/// Applies --height-of and --speed-of.
-void set_drop(const CalibrateArguments& arguments, const std::string& path, landing::Drop& drop);
-void warn_of_log(const landing::DropLog& log, Run& run);
-
-template <class LoggedDrop>
-struct GivenDrops {
-  std::vector<LoggedDrop> fitted, unseen;
-};
-/// The drops that the arguments name, checked: each log is `read(path)`; it is thrown as the scene says, unless the
-/// arguments do; its motion is `played(path, own)`, `own` the file of --motion-of.
-template <class LoggedDrop, class Scene, class Read, class Played>
-GivenDrops<LoggedDrop> given_drops(const CalibrateArguments& a, const Scene& scene, Run& run, Read&& read,
-                                   Played&& played) {
-  check_drop_names(a);
-  for (const std::string& twice : duplicate_warnings(a.drops)) run.warn(twice);
-  GivenDrops<LoggedDrop> out;
-  for (const auto& [paths, drops] : {std::pair(&a.drops, &out.fitted), {&a.validate, &out.unseen}}) {
-    for (const std::string& path : *paths) {
-      run.input(path);
-      const auto own = value_of("--motion-of", a.motion_of, path);
-      LoggedDrop d{.log = read(path), .motion = played(path, own), .thrown = scene.drop};
-      set_drop(a, path, d.thrown);
-      warn_of_log(d.log, run);
-      drops->push_back(std::move(d));
-    }
-  }
-  check_drops(scene, out.fitted);
-  if (!out.unseen.empty()) check_drops(scene, out.unseen);
-  for (const std::string& known : overlap_warnings(a.drops, a.validate)) run.warn(known);
-  run.info(fmt::format("fitting {} drops", out.fitted.size()));
-  return out;
-}
-
-int calibrate_body(const CalibrateArguments& arguments, const CommonOptions& common);
 
 }  // namespace ukemi::tools

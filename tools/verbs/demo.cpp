@@ -130,8 +130,10 @@ int run_chain(const CommonOptions& common, Run& run, Comparison& comparison) {
       run_identify(identify_arguments, begin("identify", "identify: eight simulated impact trials (truth: Table 2)"));
   if (code != kDone) return code;
   const std::string identified = folder + "/identify/actuator.toml";
+  OptimizeArguments optimize_arguments;
+  optimize_arguments.scene = paper, optimize_arguments.actuators = {identified}, optimize_arguments.robust = "mean";
   code = run_optimize(
-      {.scene = paper, .actuators = {identified}, .robust = "mean"},
+      optimize_arguments,
       begin("optimize", "optimize: the paper's landing for drops that scatter, with the constants just identified"));
   if (code != kDone) return code;
   return run_compare({.nominal = {dataset("actuators/x8-9_nominal.toml")},

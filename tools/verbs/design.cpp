@@ -6,15 +6,62 @@
 #include "common/error.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/command.hpp"
 #include "tools/program/trials.hpp"
 #include "tools/program/verb.hpp"
 #include "tools/report/design.hpp"
-#include "tools/verbs/design.hpp"
+#include "tools/verbs/calibrate.hpp"
 #include "tools/verbs/robot_logs.hpp"
 
 namespace ukemi::tools {
 
 namespace {
+
+struct DesignArguments {
+  std::vector<std::string> trials, next;  ///< existing trials; of a robot, logs of commands to choose from
+  std::string rig, actuator, robot, pieces, free, heights;
+  identify::Criterion criterion = identify::Criterion::kWorst;
+  TrialArguments reading;
+  identify::HitBudget budget;
+  std::vector<double> width = {0.010, 0.020};
+  identify::HitLog log;
+  std::string noise;  ///< [rad]; of a robot CHANNEL=STD,...
+  std::optional<double> tau_max;
+  int hits = 2, check = 50, tie = 1;
+  std::vector<std::string> given;  ///< names of the options on the command line
+};
+
+/// Of a robot of links: chooses which of `next` to log.
+int design_robot(const DesignArguments& a, const CommonOptions& common) {
+  Run run(kDesignOutputs, common);
+  allow_only(a.given,
+             {"--robot", "--next", "--free", "--hits", "--criterion", "--noise", "--heights", "--columns", "--pieces",
+              "--tie", "--multi-turn"},
+             "--robot");
+  if (a.next.empty()) throw InputError("--next: with --robot logs of commands to choose from are needed");
+  if (a.free.empty()) throw InputError("--free: with --robot the constants that are to be known must be named");
+  const DrivenRobot robot = robot_of(a.robot, run);
+  RobotLogOptions reading = reading_of(a.reading);
+  const std::vector<RobotTrial> in_hand =
+      read_trials({a.trials, a.reading.columns, a.pieces, a.tie}, reading, robot, run);
+  reading.measured = RobotLogOptions::Measured::kNothing;
+  std::vector<double> heights;
+  for (const std::string& height : split(a.heights)) heights.push_back(to_number("--heights", height));
+  const std::vector<RobotTrial> next =
+      from_heights(robot, read_trials({.files = a.next, .columns = {}, .pieces = {}}, reading, robot, run), heights);
+
+  RobotDesignOptions options{.criterion = a.criterion, .trials = a.hits};
+  for (const std::string& item : split(a.noise)) {
+    const Assignment one = assignment("--noise", item, "CHANNEL=STD");
+    set_once("--noise", one.name, one.name, to_number("--noise", one.value), options.noise);
+  }
+  options.fit.terms = design_terms(robot, in_hand, next, options.noise);
+  CalibrateArguments fit;
+  fit.free = a.free, fit.nuisance = fmt::format("{}", fmt::join(options.fit.terms.nuisance, ","));
+  set_options(fit, common, options.fit);
+  options.fit.threads = common.threads;
+  return report(design_trials(robot, in_hand, next, options), run);
+}
 
 DesignRequest request_of(const DesignArguments& a, const CommonOptions& common, Run& run) {
   DesignRequest out{.rig = rig_of(a.rig, a.reading),

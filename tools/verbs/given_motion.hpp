@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "landing/body/body_scene.hpp"
 #include "landing/model/motion.hpp"
 #include "tools/program/output.hpp"
 
@@ -18,5 +19,7 @@ struct MotionArguments {
 void add_motion(CLI::App& verb, MotionArguments& arguments);
 /// Throws InputError unless exactly one of the two is given. A file becomes an input of the run.
 landing::Motion motion_of(const MotionArguments& arguments, const std::string& verb, Run& run);
+/// Of a robot of links; where none of the two is given, the posture that the scene holds.
+landing::BodyMotion motion_of(const landing::BodyScene& scene, const MotionArguments& arguments, Run& run);
 
 }  // namespace ukemi::tools

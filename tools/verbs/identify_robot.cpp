@@ -8,6 +8,7 @@
 #include "common/csv.hpp"
 #include "common/error.hpp"
 #include "common/same_numbers.hpp"
+#include "tools/program/actuators.hpp"
 #include "tools/program/command.hpp"
 #include "tools/report/calibrate.hpp"
 #include "tools/report/robot_text.hpp"

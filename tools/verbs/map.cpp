@@ -7,8 +7,11 @@
 #include "landing/body/robot_file.hpp"
 #include "landing/judge/survey.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_map.hpp"
 #include "tools/program/actuators.hpp"
+#include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 #include "tools/verbs/freedom.hpp"
@@ -19,6 +22,19 @@ using namespace landing;
 
 namespace {
 
+struct MapArguments : SceneArguments {
+  std::string slice, vary;
+  std::vector<int> grid;  ///< paper's robot only; empty: default
+  FreedomArguments freedom;
+  int polish = MapOptions().polished;
+};
+
+/// Sets what maps of both kinds of robot share; `of`: what the map's progress counts.
+void set_options(const MapArguments& a, const CommonOptions& common, const char* of, const Run& run, MapOptions& map) {
+  map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
+  map.monitor = run.monitor("map", of);
+}
+
 /// The variables of a motion file. Throws InputError where one is outside its range.
 Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
   const Coordinates x = space.values_of(read_motion(path));
@@ -27,6 +43,35 @@ Coordinates slice_of(const std::string& path, const ReferenceSpace& space) {
       throw InputError({path}, fmt::format("--slice: {} = {:.6g} {}: {:.6g} to {:.6g} is needed", v.name, x[k], v.unit,
                                            v.lower, v.upper));
   return x;
+}
+
+/// Parses NAME[:N],...
+std::vector<GridAxis> grid_of(const std::string& text) {
+  std::vector<GridAxis> out;
+  for (const std::string& item : split(text)) {
+    const std::size_t colon = item.find(':');
+    out.push_back({item.substr(0, colon), {}});
+    if (colon != std::string::npos) out.back().points = to_number("--vary", item.substr(colon + 1));
+  }
+  return out;
+}
+
+int map_body(const MapArguments& a, const CommonOptions& common) {
+  Run run(kMapOutputs, common);
+  if (!a.grid.empty()) throw InputError("--grid: of a robot of links --vary NAME[:N],... says what goes over the grid");
+  BodyScene scene = body_of(a, run);
+  apply_freedom(a.freedom, scene, run);
+  const BodySpace space(scene);
+  SurveyOptions options{.basins = run.monitor("map: basins", "searches")};
+  MapOptions& map = options.map;
+  map.cells = cells_of(space, grid_of(a.vary), "--vary");
+  map.slice = held_slice(space, scene);
+  if (!a.slice.empty()) {
+    run.input(a.slice);
+    map.slice = slice_of(space, scene, read_body_motion(a.slice, scene.robot), {a.slice});
+  }
+  set_options(a, common, "landings", run, map);
+  return report(survey(scene, options), run);
 }
 
 int run_map(const MapArguments& a, const CommonOptions& common) {
@@ -54,16 +99,13 @@ int run_map(const MapArguments& a, const CommonOptions& common) {
     map.slice = slice_of(a.slice, space);
     run.input(a.slice);
   }
-  map.polished = a.polish, map.seed = common.seed, map.threads = common.threads;
-  map.monitor = run.monitor("map", "rows");
+  set_options(a, common, "rows", run, map);
   return report(survey(scene, space, options), run);
 }
 
 void add_map(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<MapArguments>();
-  verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  add_actuators(*verb, args->actuators);
-  add_set(*verb, args->set);
+  add_scene(*verb, *args);
   verb->add_option("--grid", args->grid,
                    "points of phi_I, phi_F, duration and, if the motion has more, those; 1: held fixed [64,64,32]")
       ->delimiter(',');

@@ -8,10 +8,15 @@
 #include "common/files.hpp"
 #include "common/stopwatch.hpp"
 #include "landing/body/robot_file.hpp"
+#include "landing/plan/body_goal.hpp"
+#include "landing/plan/body_least_breaking.hpp"
+#include "landing/plan/body_space.hpp"
 #include "landing/search/solvers.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
+#include "tools/program/interrupt.hpp"
 #include "tools/program/verb.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/landing.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/scatter.hpp"
@@ -46,6 +51,11 @@ RobustOptions robust_of(const OptimizeArguments& a, const Scene& scene, const Ac
   return out;
 }
 
+/// Whether results need rows of the landings.
+bool draws(const OptimizeArguments& a, const CommonOptions& common) {
+  return common.figures_wanted() || a.exports.has(Exports::Format::kPlotJuggler);
+}
+
 AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common, const Actuator& actuator,
                          const Run& run) {
   const bool compare_solvers = a.solver == "compare";
@@ -63,27 +73,51 @@ AnswerOptions options_of(const OptimizeArguments& a, const CommonOptions& common
   if (a.ratings == OptimizeArguments::Ratings::kRespect) respect_ratings(actuator, o);
   o.validate();
   if (compare_solvers) out.solvers = solver_names();
-  const bool rows = common.report == CommonOptions::Report::kWrite || !common.figures.empty() ||
-                    a.exports.has(Exports::Format::kPlotJuggler);
-  out.rate = rows ? 1000 : 0;
+  out.rate = draws(a, common) ? 1000 : 0;
   out.evidence = a.evidence;
   out.evidence_monitor = run.monitor("evidence", "landings");
   return out;
 }
 
-}  // namespace
-
-std::optional<long> scattered_samples(const OptimizeArguments& a) {
-  if (a.samples && !a.robust) throw InputError("--samples: of drops that scatter: --robust is needed");
-  if (a.samples && !(*a.samples >= 16 && *a.samples <= 4096))
-    throw InputError(fmt::format("--samples: {}: 16 to 4096 is needed", *a.samples));
-  return a.samples;
-}
-
+/// Time reserved for writing the results within a deadline [s].
 double writing_time(double deadline) {
   constexpr double kTexts = 0.02, kPlotShare = 0.2;  // without plots [s]; with plots, over the deadline
   return deadline < kDrawnFrom ? kTexts : std::min(1.0, kPlotShare * deadline);
 }
+
+int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
+  const Stopwatch watch(Stopwatch::Time::kWall);
+  Run run(kOptimizeOutputs, common);
+  BodyScene scene = scene_to_plan(a, run);
+  check_exports(a.exports, scene.robot);
+  if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
+  const double rate = checked_rate(a.rate);
+  BodyPlanOptions options = plan_options(a, common, scene, run);
+  check_share(scene, a.share, "--share");
+  options.deadline = a.deadline;
+  options.validate();
+  options.rate = draws(a, common) && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
+  if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
+  options.monitor = run.monitor("optimize", options.measure ? "landings" : "motions");
+  std::vector<double> logged;
+  if (!a.logs.files.empty()) {
+    if (a.deadline) throw InputError("--log: not with --deadline: following a log takes its own time");
+    logged = logged_peaks(a.scene, edited_texts(a), a.logs, common, run);
+  }
+  const std::string limit = a.deadline
+                                ? fmt::format("{:g} s", *a.deadline)
+                                : fmt::format("{} {}", options.evaluations.value_or(options.default_evaluations(scene)),
+                                              options.measure ? "landings" : "motions");
+  run.info(fmt::format("optimising the {} of {} over {} variables: {}, seed {}", goal_words(scene, options), scene.name,
+                       BodySpace(scene).dimension(), limit, options.seed));
+  const BodyPlan best = plan(scene, options);
+  options.deadline = a.deadline;
+  std::optional<BodyLeastBreaking> least;
+  if (!best.found && !a.deadline && !interrupted()) least = least_breaking(scene, options);
+  return report(scene, best, options, rate, a.exports, run, {.least = least, .logged = logged});
+}
+
+}  // namespace
 
 int run_optimize(const OptimizeArguments& a, const CommonOptions& common) {
   const bool of_links = is_of_links(a.scene);

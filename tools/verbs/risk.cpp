@@ -8,9 +8,12 @@
 #include "landing/judge/risk.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_goal.hpp"
+#include "landing/plan/body_risk.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 #include "tools/report/risk.hpp"
 #include "tools/verbs/body.hpp"
@@ -24,6 +27,20 @@ using namespace landing;
 
 namespace {
 
+struct RiskArguments : SceneArguments {
+  MotionArguments motion;
+  ScatterArguments scatter;
+  std::optional<long> samples;
+  bool inexact = false;
+  std::vector<std::string> forbid;
+};
+
+long samples_of(const RiskArguments& a) {
+  if (a.samples && (*a.samples < 100 || *a.samples > 10'000'000))
+    throw InputError(fmt::format("--samples: {}: 100 to 10000000 are needed", *a.samples));
+  return a.samples.value_or(RiskOptions().samples);
+}
+
 RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, const Run& run) {
   RiskOptions out;
   out.samples = samples_of(a);
@@ -34,8 +51,23 @@ RiskOptions options_of(const RiskArguments& a, const CommonOptions& common, cons
   return out;
 }
 
+int risk_body(const RiskArguments& a, const CommonOptions& common) {
+  Run run(kRiskOutputs, common);
+  BodyScene scene = body_of(a, run);
+  forbid(scene, a.forbid, "--forbid");
+  const BodyMotion motion = motion_of(scene, a.motion, run);
+  BodyRiskOptions options;
+  options.samples = samples_of(a);
+  options.measured = measured_drops(a.scatter, scene, run);
+  options.scatter = scatter_of(a.scatter);
+  options.drops = {.inflate = inflate_of(a.scatter, scene, run), .inexact = a.inexact};
+  options.seed = common.seed, options.threads = common.threads;
+  options.monitor = run.monitor("risk", "landings");
+  return report(scene, motion, body_risk(scene, motion, options), options, run);
+}
+
 int run_risk(const RiskArguments& a, const CommonOptions& common) {
-  a.scatter.refuse_beside_drops(a.execution == RiskArguments::Execution::kInexact, "--inexact");
+  a.scatter.refuse_beside_drops(a.inexact, "--inexact");
   a.scatter.refuse_beside_drops(a.samples.has_value(), "--samples");
   if (is_of_links(a.scene)) return risk_body(a, common);
   refuse_set(a.set);
@@ -46,7 +78,7 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   RiskOptions options = options_of(a, common, run);
   RiskStudy study{.scene = scene, .actuator = actuator, .motion = motion};
   const Scattering scattering = scattering_of(a.scatter, scene, actuator, run);
-  study.scattering = {.inflate = scattering.inflate, .inexact = a.execution == RiskArguments::Execution::kInexact};
+  study.scattering = {.inflate = scattering.inflate, .inexact = a.inexact};
   options.measured = scattering.measured;
   if (options.measured.empty()) {
     study.scatter = scatter_for(scattering.scatter, scene);
@@ -57,26 +89,12 @@ int run_risk(const RiskArguments& a, const CommonOptions& common) {
   return report(study, run);
 }
 
-}  // namespace
-
-long samples_of(const RiskArguments& a) {
-  if (a.samples && (*a.samples < 100 || *a.samples > 10'000'000))
-    throw InputError(fmt::format("--samples: {}: 100 to 10000000 are needed", *a.samples));
-  return a.samples.value_or(RiskOptions().samples);
-}
-
-namespace {
-
 void add_risk(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<RiskArguments>();
-  verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  add_actuators(*verb, args->actuators);
-  add_set(*verb, args->set);
+  add_scene(*verb, *args);
   add_motion(*verb, args->motion);
   add_scatter(*verb, args->scatter), add_drops(*verb, args->scatter);
-  verb->add_flag_callback(
-      "--inexact", [args] { args->execution = RiskArguments::Execution::kInexact; },
-      "the motion is played anywhere within the scene's [execution] tolerance");
+  verb->add_flag("--inexact", args->inexact, "the motion is played anywhere within the scene's [execution] tolerance");
   verb->add_option("--forbid", args->forbid, "points whose touches are counted: hip,knee,foot")->delimiter(',');
   verb->add_option("--samples", args->samples, "drops that are drawn, 100 to 10000000 [10000]");
   add_action<RiskArguments>(*verb, args,

@@ -63,11 +63,13 @@ struct LogArguments {
 std::vector<double> logged_peaks(const std::string& robot, const landing::Texts& texts, const LogArguments& logs,
                                  const CommonOptions& common, Run& run);
 
-struct OptimizeArguments {
+/// The scene of a verb for both kinds of robot.
+struct SceneArguments {
   std::string scene;
-  std::vector<std::string> set;  ///< KEY=VALUE
-  std::vector<std::string> actuators;
-  std::optional<double> height;  ///< of the drop, instead of the scene's
+  std::vector<std::string> actuators, set;  ///< FILE or JOINT=FILE; KEY=VALUE
+  std::optional<double> height;             ///< of the drop, instead of the scene's
+};
+struct OptimizeArguments : SceneArguments {
   std::string solver = "auto";
   landing::Goal goal = landing::Goal::kPeak;
   std::optional<long> evaluations;
@@ -88,10 +90,6 @@ struct OptimizeArguments {
   CommonOptions::Lines lines = CommonOptions::Lines::kAnswer;
 };
 int run_optimize(const OptimizeArguments& arguments, const CommonOptions& common);
-/// Time reserved for writing the results within a deadline [s].
-double writing_time(double deadline);
-/// --samples of a plan for drops that scatter; absent: the default. Throws InputError.
-std::optional<long> scattered_samples(const OptimizeArguments& arguments);
 
 struct CompareArguments {
   std::vector<std::string> nominal, identified;  ///< one file each; of a robot of links one for each joint

@@ -9,10 +9,13 @@
 #include "landing/judge/checked.hpp"
 #include "landing/judge/under_scatter.hpp"
 #include "landing/model/scene_file.hpp"
+#include "landing/plan/body_drop_file.hpp"
+#include "landing/plan/checked_body.hpp"
 #include "landing/scatter/drop_file.hpp"
 #include "tools/program/actuators.hpp"
 #include "tools/program/arguments.hpp"
 #include "tools/program/verb.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 #include "tools/verbs/body.hpp"
 
@@ -20,14 +23,47 @@ namespace ukemi::tools {
 
 using namespace landing;
 
-std::pair<std::string, std::size_t> drop_row(const std::string& text) {
+namespace {
+
+struct SimulateArguments : SceneArguments {
+  std::string drop_from;
+  MotionArguments motion;
+  std::optional<double> rate, accuracy;
+  Exports exports;
+};
+
+/// The drop of --drop-from, FILE:ROW; `read`: the drops of a file.
+template <class Read>
+auto drop_from(const std::string& text, Read&& read, Run& run) {
   const std::size_t colon = text.rfind(':');
-  const long number = colon == std::string::npos ? 0 : parsed_number<long>(text.substr(colon + 1)).value_or(0);
-  if (number < 1) throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
-  return {text.substr(0, colon), std::size_t(number)};
+  const std::size_t row =
+      colon == std::string::npos ? 0 : parsed_number<std::size_t>(text.substr(colon + 1)).value_or(0);
+  if (row < 1) throw InputError(fmt::format("--drop-from: {}: FILE:ROW is needed, 1 the first row", quoted(text)));
+  const std::string file = text.substr(0, colon);
+  run.input(file);
+  const auto drops = read(file);
+  if (row > drops.size())
+    throw InputError(fmt::format("--drop-from: {}: the file has {} row(s)", quoted(text), drops.size()));
+  return drops[row - 1];
 }
 
-namespace {
+int simulate_body(const SimulateArguments& a, const CommonOptions& common) {
+  Run run(kSimulateOutputs, common);
+  BodyScene scene = body_of(a, run);
+  check_exports(a.exports, scene.robot);
+  BodyMotion motion = motion_of(scene, a.motion, run);
+  if (!a.drop_from.empty()) {
+    const BodyDrop drop = drop_from(
+        a.drop_from, [&](const std::string& path) { return read_drops(path, scene); }, run);
+    motion = drop.played(motion), scene = drop.scene;
+  }
+  const double rate = checked_rate(a.rate.value_or(1000));
+  SimulateOptions options;
+  options.accuracy = a.accuracy.value_or(options.accuracy);
+  options.validate();
+  const CheckedBody checked = checked_body(scene, motion, options, rate);
+  return report(checked, common.figures_wanted() ? held_landing(checked, rate) : std::nullopt, a.exports, run);
+}
 
 int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
   if (is_of_links(a.scene)) return simulate_body(a, common);
@@ -48,17 +84,14 @@ int run_simulate(const SimulateArguments& a, const CommonOptions& common) {
     const DrivenMotion play = drop.played({motion, actuator.sea});
     scene = drop.scene, motion = play.motion, actuator.sea = play.sea;
   }
-  const bool beside = common.report == CommonOptions::Report::kWrite || !common.figures.empty();
   const CheckedLanding checked = checked_landing(scene, actuator, motion, options, rate);
-  const auto held = beside ? held_landing(checked, actuator.sea, rate) : std::nullopt;
+  const auto held = common.figures_wanted() ? held_landing(checked, actuator.sea, rate) : std::nullopt;
   return report(checked, actuator, held, a.exports, run);
 }
 
 void add_simulate(CLI::App* verb, Action& chosen) {
   auto args = std::make_shared<SimulateArguments>();
-  verb->add_option("SCENE", args->scene, "scene file (TOML)")->required();
-  add_actuators(*verb, args->actuators);
-  add_set(*verb, args->set);
+  add_scene(*verb, *args);
   add_motion(*verb, args->motion);
   verb->add_option("--drop-from", args->drop_from, "FILE:ROW, a drop as risk.csv has it in place of the scene's");
   verb->add_option("--height", args->height, "drop from this height instead [m]; SCENE may be a robot of links alone");
