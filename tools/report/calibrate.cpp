@@ -172,19 +172,14 @@ std::vector<std::string> findings(const FloorFit& c) {
         words(c.logs_of).many, held ? "another value of " : "", term, probability_words(missed->p),
         std::sqrt(tests.score->variance), tests.rms_with(*missed), held ? "--free with it" : "--nuisance " + term));
   }
-  if (tests.whiteness.rejected)
-    out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
-                              probability_words(tests.whiteness.p), tests.whiteness.correlation));
+  if (tests.whiteness.rejected) out.push_back(not_white_words(tests));
   for (std::size_t m = 0; m < tests.chow.size(); ++m)
     if (tests.disagrees(m))
       out.push_back(fmt::format("{} disagrees with the other {} (Chow's test, p {}): it asks for a {} of its own",
                                 c.drops[m].file, words(c.logs_of).many, probability_words(tests.chow[m]),
                                 words(c.logs_of).model));
   if (tests.model_rejected())
-    out.push_back(
-        fmt::format("the {} does not explain these {}: no constant is trusted, and the errors {} (tests at {:g} % "
-                    "together); the true ones may be larger still. Every plan rests on it",
-                    words(c.logs_of).model, words(c.logs_of).many, widened_words(tests), 100 * identify::kTestLevel));
+    out.push_back(rejected_words(tests, words(c.logs_of).model, words(c.logs_of).many) + ". Every plan rests on it");
   return out;
 }
 

@@ -82,11 +82,6 @@ Json nuisance_json(const std::vector<Estimate>& nuisance) {
   return out;
 }
 
-std::string widened_words(const identify::ResidualTests& tests) {
-  return tests.score ? "are widened to what the residuals say"
-                     : "are those of white residuals, for not every term's derivative could be followed";
-}
-
 FirstScreen first_screen(const identify::Estimates& fit, const std::string& from) {
   long trusted = 0, fitted = 0;
   for (const Estimate& e : fit.parameters)

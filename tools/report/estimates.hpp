@@ -17,8 +17,6 @@ Quantities<identify::Estimate> estimate_quantities();
 Quantities<identify::Estimate> constant_quantities();
 /// Value, standard error and unit, or why there is no error; an angle in degrees too.
 std::string value_words(const identify::Estimate& estimate);
-/// How the standard errors of a rejected model are made: sandwich estimate, or those of white residuals.
-std::string widened_words(const identify::ResidualTests& tests);
 /// "nuisance" of summary.json; a list where a term has a value for each trial.
 Json nuisance_json(const std::vector<identify::Estimate>& nuisance);
 /// How many constants are trusted, and the checks that all fits share; `from`: "8 trials".
@@ -36,6 +34,9 @@ std::vector<identify::ErrorBudget> report_error_shares(const identify::Estimates
 
 /// A probability to two digits; "below 1e-16".
 std::string probability_words(double p);
+/// Findings of the tests; `model` and `logs`: what was fitted to what.
+std::string not_white_words(const identify::ResidualTests& tests);
+std::string rejected_words(const identify::ResidualTests& tests, const std::string& model, const std::string& logs);
 /// "diagnostics" of the summary, and the tables of the tests; `unit` is that of the residuals.
 void report_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& diagnostics);
 

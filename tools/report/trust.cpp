@@ -24,8 +24,6 @@ std::size_t most_moved(const LeftOut& l) {
   return largest;
 }
 
-std::string p_words(double p) { return probability_words(p); }
-
 std::string interval(const identify::Profile& p) {
   const auto end = [](const std::optional<double>& x) { return x ? fmt::format("{:.6g}", *x) : "beyond the grid"; };
   return fmt::format("{} .. {} {}", end(p.low), end(p.high), p.unit);
@@ -51,40 +49,34 @@ std::vector<std::string> findings(const Trust& t, const Fit& fit) {
     const std::string term = missed->term;
     // With flawed logs another term would only hide the flaw.
     const std::string advice = fit.flawed_logs ? "" : ": try --nuisance " + term;
-    out.push_back(
-        fmt::format("the model lacks {} (score test, p {}): of all terms it explains most of the residuals, their rms "
-                    "would fall from {:.4g} to {:.4g} rad{}",
-                    term, p_words(missed->p), std::sqrt(tests.score->variance), tests.rms_with(*missed), advice));
+    out.push_back(fmt::format(
+        "the model lacks {} (score test, p {}): of all terms it explains most of the residuals, their rms "
+        "would fall from {:.4g} to {:.4g} rad{}",
+        term, probability_words(missed->p), std::sqrt(tests.score->variance), tests.rms_with(*missed), advice));
     if (const std::string words = rivals_words(t, term); !words.empty()) out.push_back(words);
   }
   for (const identify::Estimate& e : fit.nuisance)
     if (const std::string words = e.trial < 0 ? rivals_words(t, e.name) : ""; !words.empty())
       out.push_back(words + "; no constant is trusted that would then leave its interval");
-  if (tests.whiteness.rejected)
-    out.push_back(fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
-                              p_words(tests.whiteness.p), tests.whiteness.correlation));
-  if (tests.model_rejected())
-    out.push_back(
-        fmt::format("the model does not explain these logs: no constant is trusted, and the errors {} (tests at {:g} % "
-                    "together); the true ones may be larger still",
-                    widened_words(tests), 100 * kTestLevel));
+  if (tests.whiteness.rejected) out.push_back(not_white_words(tests));
+  if (tests.model_rejected()) out.push_back(rejected_words(tests, "model", "logs"));
   if (tests.normality.rejected)
     out.push_back(
         fmt::format("the residuals are not normal (Jarque-Bera, p {}; skewness {:.2f}, excess kurtosis {:.2f}){}",
-                    p_words(tests.normality.p), tests.normality.skewness, tests.normality.kurtosis,
+                    probability_words(tests.normality.p), tests.normality.skewness, tests.normality.kurtosis,
                     tests.normality.kurtosis > 1 ? ": outliers? see --loss huber:DELTA" : ""));
   if (t.ladder && t.ladder->plain_rejected()) {
     const identify::Ladder& l = *t.ladder;
     out.push_back(fmt::format(
         "the model without further terms is rejected (likelihood ratio, level {:g} %: p {}); BIC prefers {}",
-        100 * kTestLevel, p_words(l.p_plain), l.rungs[l.preferred].name));
+        100 * kTestLevel, probability_words(l.p_plain), l.rungs[l.preferred].name));
   }
   for (const LeftOut& l : t.left_out)
     if (l.disagrees)
-      out.push_back(
-          fmt::format("{} disagrees with the other trials (Chow's test, level {:g} % for all: p {}): without it {} "
-                      "moves by {:+.1f} standard errors",
-                      l.file, 100 * kTestLevel, p_words(l.p), kConstantNames[most_moved(l)], l.shift[most_moved(l)]));
+      out.push_back(fmt::format(
+          "{} disagrees with the other trials (Chow's test, level {:g} % for all: p {}): without it {} "
+          "moves by {:+.1f} standard errors",
+          l.file, 100 * kTestLevel, probability_words(l.p), kConstantNames[most_moved(l)], l.shift[most_moved(l)]));
   return out;
 }
 
@@ -97,7 +89,7 @@ Quantities<identify::ScoreTest> score_quantities(const identify::ResidualTests& 
   return {
       {"", "term", &Test::term},
       {"", "", "hypothesis", {}, [](auto& t) { return fmt::format("no {} (score test)", t.term); }},
-      {"", "p", "p", p_words, &Test::p},
+      {"", "p", "p", probability_words, &Test::p},
       {"", "chi2", &Test::statistic},
       {"", "degrees", &Test::degrees},
       {"", "z", of_shared(&Test::z)},
@@ -131,7 +123,7 @@ Quantities<identify::Rung> rung_quantities(const identify::Ladder& ladder) {
          return terms;
        }},
       {"", "bic", "BIC", "{:.1f}", &identify::Rung::bic},
-      {"", "p", "p of plain against it", p_words, &identify::Rung::p},
+      {"", "p", "p of plain against it", probability_words, &identify::Rung::p},
       {"", "rms", "rms [rad]", "{:.4g}", [](auto& r) { return r.fit.rms; }},
       {"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &identify::Rung::held_out},
   };
@@ -143,7 +135,7 @@ Quantities<LeftOut> left_out_quantities() {
     out.push_back({"", std::string("shift/") + kConstantNames[k], kConstantNames[k], "{:+.2f}",
                    [k](auto& l) { return number(l.shift[k]); }});
   out.push_back({"", "held_out_rms", "held-out rms [rad]", "{:.4g}", &LeftOut::held_out});
-  out.push_back({"", "p", "p", p_words, &LeftOut::p});
+  out.push_back({"", "p", "p", probability_words, &LeftOut::p});
   out.push_back({"", "disagrees", "disagrees", {}, &LeftOut::disagrees});
   return out;
 }
@@ -205,6 +197,20 @@ Figure weakest_figure(const identify::Weakest& w) {
 
 std::string probability_words(double p) { return p < 1e-16 ? "below 1e-16" : fmt::format("{:.2g}", p); }
 
+std::string not_white_words(const identify::ResidualTests& tests) {
+  return fmt::format("the residuals are not white (Ljung-Box, p {}; neighbours correlate by {:.2f})",
+                     probability_words(tests.whiteness.p), tests.whiteness.correlation);
+}
+std::string rejected_words(const identify::ResidualTests& tests, const std::string& model, const std::string& logs) {
+  return fmt::format(
+      "the {} does not explain these {}: no constant is trusted, and the errors {} (tests at {:g} % together); the "
+      "true ones may be larger still",
+      model, logs,
+      tests.score ? "are widened to what the residuals say"
+                  : "are those of white residuals, for not every term's derivative could be followed",
+      100 * kTestLevel);
+}
+
 void report_tests(const identify::ResidualTests& tests, const std::string& unit, Report& report, Json& j) {
   const Table missing(score_quantities(tests, unit), tests.score_tests);
   j["level"] = kTestLevel;
@@ -220,11 +226,12 @@ void report_tests(const identify::ResidualTests& tests, const std::string& unit,
                     {"coarse_logs_left_out", tests.normality.coarse}};
   j["missing_terms"] = missing.objects();
   const auto result = [](bool rejected) { return rejected ? "rejected" : "not rejected"; };
-  report.table({"hypothesis", "p", ""},
-               {{"residuals are white (Ljung-Box)", p_words(tests.whiteness.p), result(tests.whiteness.rejected)},
-                {tests.normality.tested > 0 ? "residuals are normal (Jarque-Bera)"
-                                            : "residuals are normal: not tested, the logs are coarsely quantised",
-                 p_words(tests.normality.p), result(tests.normality.rejected)}});
+  report.table(
+      {"hypothesis", "p", ""},
+      {{"residuals are white (Ljung-Box)", probability_words(tests.whiteness.p), result(tests.whiteness.rejected)},
+       {tests.normality.tested > 0 ? "residuals are normal (Jarque-Bera)"
+                                   : "residuals are normal: not tested, the logs are coarsely quantised",
+        probability_words(tests.normality.p), result(tests.normality.rejected)}});
   report.table(missing);
   if (!tests.chow.empty()) j["chow"] = tests.chow;
 }
