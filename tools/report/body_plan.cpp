@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "common/median.hpp"
-#include "common/uncertainty.hpp"
 #include "landing/body/load.hpp"
 #include "landing/model/scatter_file.hpp"
 #include "tools/report/body.hpp"
@@ -140,9 +139,6 @@ FirstScreen first_screen(const BodyScene& scene, const BodyPlan& p, const BodyPl
   return out;
 }
 
-/// " +- 3.2"; empty where `half` is not finite, as of the worst of all drops.
-std::string band_words(double half) { return std::isfinite(half) ? fmt::format(" +- {:.2g}", half) : ""; }
-
 /// Reports the plan and the held posture over fresh drops, and the promised value against the fresh one.
 void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std::string& held, bool rated,
                     Report& report, Run& run) {
@@ -152,14 +148,12 @@ void report_scatter(const BodyPlan& p, const BodyPlanOptions& options, const std
                       distribution_words(u.planned), held, distribution_words(u.held)));
   if (options.measure)
     run.say(fmt::format("promised {}, over {} {}{} ({:+.1f} %)", short_peak_words(p.value), noun,
-                        short_peak_words(u.measured.value), band_words(kNormal975 * u.measured.standard_error),
+                        short_peak_words(u.measured.value), band_words(u.measured),
                         100 * (u.measured.value / p.value - 1)));
   if (u.broken > 0)
     run.warn(fmt::format("the plan breaks a limit in {} of {} {} ({:.2g} %)", u.broken, u.planned.samples, noun,
                          100.0 * double(u.broken) / double(u.planned.samples)));
-  if (u.from_floor > 0)
-    run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
-                         u.planned.samples));
+  warn_of_floor(u.from_floor, u.planned.samples, run);
   if (u.planned.cvar90.value > u.held.cvar90.value)
     run.warn(fmt::format("in the worst tenth of scattered drops the motion's {}, {} {}: doing nothing is safer{}",
                          (rated ? "value / rating is " : "peak is ") + short_peak_words(u.planned.cvar90.value) +
@@ -230,7 +224,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
       run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
     run.add("progress.csv", progress_csv(run, plan));
     Report report("Best landing: " + scene.name);
-    const bool drawn = !options.deadline || *options.deadline >= kDrawnFrom;
+    const bool drawn = tools::drawn(options.deadline);
     if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
     if (!scene.loads.empty()) {
       summary["loads"] = report_loads(scene, plan.landing, "", &report, run);

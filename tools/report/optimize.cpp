@@ -209,12 +209,6 @@ Series descent(const Optimum& o, double lowest, bool timed) {
   return out;
 }
 
-/// Whether there is time to draw the figures.
-bool drawn(const Answer& a) {
-  const std::optional<double>& deadline = a.options.search.deadline;
-  return !deadline || *deadline >= kDrawnFrom;
-}
-
 /// Peaks under each deviation, as planned and held.
 Panel deviation_panel(const Answer& a) {
   std::vector<std::pair<std::string, double>> bars{{"as planned", a.peak()}};
@@ -303,9 +297,10 @@ void show_slices(const Answer& a, Report& report) {
 Report page_of(const Answer& a, const Run& run) {
   Report report("Best landing: " + a.scene.name);
   report.answer(first_screen(a), run.warnings());
+  const bool drawn = tools::drawn(a.options.search.deadline);
   std::optional<double> limit;
   if (a.limit && !a.best.motion.reposition) limit = a.limit->jump;
-  if (drawn(a))
+  if (drawn)
     show({a.scene,
           a.actuator,
           {{"best motion", &a.landing, a.under_scatter ? a.under_scatter->shown : std::vector<Landing>{}},
@@ -315,18 +310,18 @@ Report page_of(const Answer& a, const Run& run) {
          report);
   report.distrust(run.warnings());
   report.folded("All numbers", Table::of(answer_quantities(a), a).transposed());
-  if (drawn(a) && a.evidence && a.evidence->complete) {
+  if (drawn && a.evidence && a.evidence->complete) {
     report.heading("When something is not as planned");
     report.figure(deviations(a));
   }
-  if (drawn(a)) show_scatter(a, report);
+  if (drawn) show_scatter(a, report);
   const bool page = run.options().report == CommonOptions::Report::kWrite;
-  if (page && drawn(a) && a.evidence && a.evidence->complete) show_slices(a, report);
+  if (page && drawn && a.evidence && a.evidence->complete) show_slices(a, report);
   report.heading("The search");
   std::vector<Series> descents;
   const bool timed = a.options.search.deadline.has_value();
   for (const Optimum& o : a.tried) descents.push_back(descent(o, a.best.value, timed));
-  if (drawn(a))
+  if (drawn)
     report.plot("search", timed ? "time [s]" : "motions evaluated", "gap to the lowest value [%]", descents,
                 Axes::kLogarithmic);
   else

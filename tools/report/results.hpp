@@ -34,6 +34,8 @@ enum class Doubt;
 
 /// Smallest deadline [s] of results with figures: gnuplot takes some 0.2 s, and several times that on a busy machine.
 inline constexpr double kDrawnFrom = 2;
+/// Whether a deadline leaves time to draw.
+inline bool drawn(const std::optional<double>& deadline) { return !deadline || *deadline >= kDrawnFrom; }
 /// In place of the figures.
 inline constexpr const char* kNotDrawn =
     "The fall is not shown, for the deadline leaves no time to draw it: `ukemi simulate --motion motion.toml` does.";

@@ -64,6 +64,15 @@ void warn_of_assumed(const Scatter& scatter, Run& run) {
   run.warn(fmt::format("the scene has no [scatter]: {} is assumed; --scatter says it", text_of(scatter)));
 }
 
+void warn_of_floor(long drops, long of, Run& run) {
+  if (drops > 0)
+    run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", drops, of));
+}
+
+std::string band_words(const Estimated& e) {
+  return std::isfinite(e.standard_error) ? fmt::format(" +- {:.2g}", kNormal975 * e.standard_error) : "";
+}
+
 std::string scatter_words(const std::optional<Scatter>& scatter, bool assumed) {
   return scatter ? text_of(*scatter) + (assumed ? "; assumed" : "") : "measured drops";
 }
@@ -173,18 +182,14 @@ void report_scatter(const Answer& a, Run& run) {
                       distribution_words(u.posture)));
   if (a.scattered)
     run.say(fmt::format("promised {}{}, fresh {} ({:+.1f} %)", short_peak_words(a.best.value),
-                        a.promised && std::isfinite(a.promised->standard_error)
-                            ? fmt::format(" +- {:.2g}", kNormal975 * a.promised->standard_error)
-                            : "",
-                        short_peak_words(u.measured.value), 100 * (u.measured.value / a.best.value - 1)));
+                        a.promised ? band_words(*a.promised) : "", short_peak_words(u.measured.value),
+                        100 * (u.measured.value / a.best.value - 1)));
   if (u.nominal)
     run.say(fmt::format("the plan for the scene's own drop, over the same drops: {}", distribution_words(*u.nominal)));
   if (u.broken > 0)
     run.warn(fmt::format("in {} of {} drops the motion breaks a limit; each counts as {:g} m/s^2", u.broken,
                          u.planned.samples, a.options.robust.penalty));
-  if (u.from_floor > 0)
-    run.warn(fmt::format("{} of {} scattered drops would begin below the floor: they begin on it", u.from_floor,
-                         u.planned.samples));
+  warn_of_floor(u.from_floor, u.planned.samples, run);
   if (u.lost > 0)
     run.warn(fmt::format(
         "in {} of {} scattered drops the drive loses the joint: their peaks are those of a link that whirls", u.lost,

@@ -31,6 +31,10 @@ std::string held_words();
 std::string distribution_words(const landing::Distribution& d);
 /// Warns that the scatter is assumed.
 void warn_of_assumed(const landing::Scatter& scatter, Run& run);
+/// Warns of scattered drops that begin on the floor, for they would begin below it.
+void warn_of_floor(long drops, long of, Run& run);
+/// " +- 3.2", 95 %; empty where the error is not finite, as of the worst of all drops.
+std::string band_words(const landing::Estimated& estimated);
 /// The scatter in the notation of --scatter, and whether it is assumed; "measured drops".
 std::string scatter_words(const std::optional<landing::Scatter>& scatter, bool assumed);
 

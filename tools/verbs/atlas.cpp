@@ -182,8 +182,6 @@ void find_safest(AtlasResult& r, const AtlasRobot& robot, const CommonOptions& c
                                           run.monitor("atlas: the safest motion", "drops"));
 }
 
-std::vector<std::size_t> all_drops(const AtlasGrid& grid) { return AtlasShard().drops(grid); }
-
 AtlasResult result_of(const Subject& s) {
   return {.scene = s.name,
           .variables = s.robot->variables(),
@@ -278,7 +276,7 @@ int run_merge(const AtlasArguments& a, const CommonOptions& common) {
   const Subject subject = subject_in(a.merge[0], whole.header, run);
   AtlasResult r = result_of(subject);
   r.atlas = std::move(whole);
-  r.drops = all_drops(r.atlas.header.grid);
+  r.drops = AtlasShard().drops(r.atlas.header.grid);  // all
   r.resumed = r.atlas.cells.size();
   find_safest(r, *subject.robot, common, run);
   return report(r, run);

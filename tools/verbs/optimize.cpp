@@ -96,7 +96,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   check_share(scene, a.share, "--share");
   options.deadline = a.deadline;
   options.validate();
-  options.rate = draws(a, common) && !(a.deadline && *a.deadline < kDrawnFrom) ? 1000 : 0;
+  options.rate = draws(a, common) && drawn(a.deadline) ? 1000 : 0;
   if (a.deadline) options.deadline = std::max(1e-3, *a.deadline - watch.seconds() - writing_time(*a.deadline));
   options.monitor = run.monitor("optimize", options.measure ? "landings" : "motions");
   std::vector<double> logged;
