@@ -7,8 +7,7 @@
 #include "landing/atlas/two_link_atlas.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/plan/body_space.hpp"
-#include "tools/python/body.hpp"
-#include "tools/python/search.hpp"
+#include "tools/python/arguments.hpp"
 #include "tools/report/atlas.hpp"
 #include "tools/report/body.hpp"
 
@@ -17,17 +16,7 @@ namespace ukemi::python {
 using namespace landing;
 
 /// The header of a file has no padding but is not reflectable.
-template <>
-struct Serializer<AtlasHeader> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    static_assert(std::is_trivially_copyable_v<AtlasHeader>);
-    std::array<char, sizeof(AtlasHeader)> bytes;
-    if constexpr (!A::kReading) std::memcpy(bytes.data(), &x, sizeof x);
-    serialize(a, bytes);
-    if constexpr (A::kReading) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
-  }
-};
+void serialize(auto& a, AtlasHeader& x) { a.number(x); }
 
 namespace {
 
@@ -45,14 +34,26 @@ struct BodyAtlasPlan {
 };
 
 using Axis = std::tuple<double, double, std::uint64_t>;
-AtlasAxis axis_of(const char* what, const Axis& axis) {
-  checked(what, std::get<0>(axis), Range::any()), checked(what, std::get<1>(axis), Range::any());
-  return {std::get<0>(axis), std::get<1>(axis), std::get<2>(axis)};
+/// The grid's axis; without one the single value of the scene's drop.
+AtlasAxis axis_of(const char* what, const std::optional<Axis>& given, double of_drop) {
+  if (!given) return {of_drop, of_drop, 1};
+  const auto& [lowest, highest, count] = *given;
+  return {checked(what, lowest, Range::any()), checked(what, highest, Range::any()), count};
+}
+AtlasOptions atlas_options(const Arguments& a, const Drop& drop, const std::optional<Axis>& height,
+                           const std::optional<Axis>& forward_speed, const std::optional<Axis>& pitch) {
+  AtlasOptions out;
+  out.grid.axes = {axis_of("height", height, drop.height), axis_of("forward_speed", forward_speed, drop.forward_speed),
+                   axis_of("pitch", pitch, drop.pitch)};
+  out.search.goal = goal_of(a.objective), out.search.evaluations = a.evaluations;
+  out.search.seed = a.seed, out.search.threads = a.threads;
+  out.robust = robust_of(a);
+  return out;
 }
 
 const char* goal_name(std::uint64_t goal) { return Goal(goal) == Goal::kPeak ? "peak" : "tolerant peak"; }
 
-void plan_all(const AtlasRobot& robot, AtlasOptions& options, tools::AtlasResult& r) {
+void plan_all(const AtlasRobot& robot, AtlasOptions options, tools::AtlasResult& r) {
   options.validate(), robot.validate(options.grid);
   r.drops = options.shard.drops(options.grid);
   r.atlas.header = atlas_header(robot, options);
@@ -66,14 +67,14 @@ void plan_all(const AtlasRobot& robot, AtlasOptions& options, tools::AtlasResult
     return true;
   });
 }
-AtlasPlan planned(const Scene& scene, const Actuator& actuator, AtlasOptions& options) {
+AtlasPlan planned(const Scene& scene, const Actuator& actuator, const AtlasOptions& options) {
   const TwoLinkAtlas robot(scene, actuator);
   AtlasPlan out{{.scene = scene.name, .variables = robot.variables()}, scene, actuator, options.search.seed};
   out.result.scene_toml = to_toml(scene, ""), out.result.actuator_toml = to_toml(actuator);
   plan_all(robot, options, out.result);
   return out;
 }
-BodyAtlasPlan planned(const BodyScene& scene, AtlasOptions& options) {
+BodyAtlasPlan planned(const BodyScene& scene, const AtlasOptions& options) {
   const BodyAtlas robot(scene);
   BodyAtlasPlan out{
       {.scene = scene.name, .variables = robot.variables(), .unit = tools::unit_of(scene)}, scene, options.search.seed};
@@ -119,7 +120,7 @@ py::object motion_at(const BodyAtlasPlan& p, const Indices& place) {
 template <class Plan>
 void bind_atlas_class(py::module_& m, const char* name, const char* words, const char* motion) {
   using Motion = decltype(motion_at(std::declval<const Plan&>(), Indices{}));
-  py::class_<Plan> c(m, name, words);
+  Value<Plan> c(m, name, words);
   property(c, "value", "The goal of each drop [m/s^2], axes height, forward_speed, pitch; NaN: no motion.",
            [](auto& p) { return column_of(p.result.atlas, [](const AtlasCell& x) { return x.value; }); });
   property(c, "peak", "The peak of each drop itself [m/s^2].",
@@ -146,119 +147,100 @@ void bind_atlas_class(py::module_& m, const char* name, const char* words, const
         return fmt::format("<ukemi.Atlas of {} drops, {} planned for the {}>", atlas.cells.size(), atlas.planned(),
                            goal_name(atlas.header.goal));
       });
-  bind_value(c);
   bind_report(c, tools::kAtlasOutputs, &Plan::seed, [](auto& p, tools::Run& run) { return report(p.result, run); });
 }
 
-/// A reader's entry with the goal's name.
-struct NamedEntry {
-  AtlasEntry entry;
-  std::string goal;
-};
-/// A reader that throws if a second thread uses it meanwhile.
-class PythonReader {
- public:
-  PythonReader(const Path& path, const Scene& scene, const Actuator& actuator, const AtlasReader::Options& options)
-      : reader_(path, scene, (require_gains(actuator), actuator.sea), options),
-        goal_(goal_name(std::uint64_t(options.goal))) {}
-  NamedEntry at(const Drop& drop) {
-    return {alone(mutex_, "reader", [&] { return reader_.at(drop); }), goal_};
-  }
+using NamedEntry = WithGoal<AtlasEntry>;
+using PythonReader = Asked<AtlasReader, Scene>;
+using PythonBodyReader = Asked<BodyAtlasReader, BodyScene>;
+py::dict entry_of(PythonBodyReader& r, const Drop& drop) {
+  const BodyAtlasEntry e = r.ask([&](BodyAtlasReader& x) { return x.at(drop); });
+  py::dict out;
+  out["found"] = e.found, out["inside"] = e.inside, out["holds"] = e.holds, out["wrong"] = e.wrong,
+  out["goal"] = r.goal;
+  out["motions"] = e.found ? py::object(by_joint(r.scene.robot, e.motion)) : py::none();
+  out["value"] = e.found ? py::cast(e.value) : py::none();
+  return out;
+}
 
- private:
-  AtlasReader reader_;
-  std::string goal_;
-  std::mutex mutex_;
+struct ReaderArguments : Arguments {
+  double deadline = AtlasReader::Options().deadline;
 };
-
-/// The reader of a robot of links; throws if a second thread uses it meanwhile.
-class PythonBodyReader {
- public:
-  PythonBodyReader(const Path& path, const BodyScene& scene, const AtlasReader::Options& options)
-      : scene_(scene), reader_(path, scene, options), goal_(goal_name(std::uint64_t(options.goal))) {}
-  py::dict at(const Drop& drop) {
-    const BodyAtlasEntry e = alone(mutex_, "reader", [&] { return reader_.at(drop); });
-    py::dict out;
-    out["found"] = e.found, out["inside"] = e.inside, out["holds"] = e.holds, out["wrong"] = e.wrong,
-    out["goal"] = goal_;
-    out["motions"] = e.found ? py::object(by_joint(scene_.robot, e.motion)) : py::none();
-    out["value"] = e.found ? py::cast(e.value) : py::none();
-    return out;
-  }
-
- private:
-  const BodyScene scene_;
-  BodyAtlasReader reader_;
-  std::string goal_;
-  std::mutex mutex_;
-};
+const Argument kReaderDeadline{"deadline", &ReaderArguments::deadline};
+AtlasReader::Options reader_options(const ReaderArguments& a) {
+  AtlasReader::Options out{.goal = goal_of(a.objective)};
+  out.deadline = checked("deadline", a.deadline, Range::positive());
+  return out;
+}
 
 void bind_body_reader(py::module_& m) {
-  py::class_<PythonBodyReader>(m, "RobotAtlasReader", "An atlas in the control program of a robot of links.")
-      .def(py::init([](const Path& path, const BodyScene& scene, const std::string& objective, double deadline,
-                       const std::vector<std::string>& forbidden, bool ratings) {
-             AtlasReader::Options options{.goal = goal_of(objective)};
-             options.deadline = checked("deadline", deadline, Range::positive());
-             return std::make_unique<PythonBodyReader>(path, with_limits(scene, forbidden, ratings), options);
-           }),
-           "path: atlas.bin; scene, forbid and respect_ratings: those of the atlas; objective: peak or tolerant, by "
-           "which motions are compared; deadline for playing them [s].",
-           py::arg("path"), py::arg("scene"), py::arg("objective") = "tolerant", py::arg("deadline") = 0.03,
-           py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false)
-      .def(
-          "at",
-          [](PythonBodyReader& r, double height, double forward_speed, double pitch, double pitch_rate) {
-            return r.at(dropped({}, {height, forward_speed, pitch, pitch_rate}));
-          },
-          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
-          "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s]. A dict of found, inside (the "
-          "grid reaches so far), holds (no motion around is softer than the held posture), motions (by joint), value "
-          "(the goal at this very drop [m/s^2]), goal and wrong.");
+  py::class_<PythonBodyReader> c(m, "RobotAtlasReader", "An atlas in the control program of a robot of links.");
+  define_constructor(
+      c,
+      [](const ReaderArguments& a, const Path& path, const BodyScene& scene) {
+        const AtlasReader::Options options = reader_options(a);
+        const BodyScene limited = with_limits(scene, a);
+        return std::make_unique<PythonBodyReader>("reader", limited, goal_name(std::uint64_t(options.goal)), path.text,
+                                                  limited, options);
+      },
+      "path: atlas.bin; scene, forbid and respect_ratings: those of the atlas; objective: peak or tolerant, by which "
+      "motions are compared; deadline for playing them [s].",
+      py::arg("path"), py::arg("scene"), kObjective.with("tolerant"), kReaderDeadline.with(0.03), kForbid,
+      kRespectRatings);
+  c.def(
+      "at",
+      [](PythonBodyReader& r, double height, double forward_speed, double pitch, double pitch_rate) {
+        return entry_of(r, dropped({}, {height, forward_speed, pitch, pitch_rate}));
+      },
+      py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
+      "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s]. A dict of found, inside (the "
+      "grid reaches so far), holds (no motion around is softer than the held posture), motions (by joint), value "
+      "(the goal at this very drop [m/s^2]), goal and wrong.");
 }
 
 void bind_atlas_reader(py::module_& m) {
-  py::class_<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
-  property(entry, "found", "Whether there is a motion.", [](auto& e) { return e.entry.found; });
+  Value<NamedEntry> entry(m, "AtlasEntry", "What an atlas has for a drop.");
+  property(entry, "found", "Whether there is a motion.", [](auto& e) { return e.answer.found; });
   property(entry, "inside",
            "Whether the grid reaches so far; else the motion is the one that is safest over all drops.",
-           [](auto& e) { return e.entry.inside; });
+           [](auto& e) { return e.answer.inside; });
   property(entry, "holds", "Whether no motion around lands as softly as holding the posture: the motion does.",
-           [](auto& e) { return e.entry.holds; });
+           [](auto& e) { return e.answer.holds; });
   property(entry, "motion", "The motion, with the goal at this very drop.", [](auto& e) {
-    return PlannedMotion{e.entry.motion, e.goal, e.entry.value};
+    return PlannedMotion{e.answer.motion, e.goal, e.answer.value};
   });
   property(entry, "value", "The goal at this very drop [m/s^2]; infinite where no time was left to play it.",
-           [](auto& e) { return e.entry.value; });
+           [](auto& e) { return e.answer.value; });
   entry.def_readonly("goal", &NamedEntry::goal, "By which the motions were compared.")
       .def("__repr__", [](const NamedEntry& e) {
-        if (!e.entry.found) return std::string("<ukemi.AtlasEntry: none>");
-        return fmt::format("<ukemi.AtlasEntry: {}; {}>", tools::motion_words(e.entry.motion),
-                           minimised(e.goal, e.entry.value));
+        if (!e.answer.found) return std::string("<ukemi.AtlasEntry: none>");
+        return fmt::format("<ukemi.AtlasEntry: {}; {}>", tools::motion_words(e.answer.motion),
+                           minimised(e.goal, e.answer.value));
       });
-  bind_value(entry);
-  py::class_<PythonReader>(m, "AtlasReader", "An atlas in a control program: an answer for the drop at hand in 2 ms.")
-      .def(py::init([](const Path& path, const Scene& scene, const Actuator& actuator, const std::string& objective,
-                       double deadline) {
-             AtlasReader::Options options{.goal = goal_of(objective)};
-             options.deadline = checked("deadline", deadline, Range::positive());
-             return std::make_unique<PythonReader>(path, scene, actuator, options);
-           }),
-           "path: atlas.bin; scene and actuator: those of the atlas; objective: peak or tolerant, by which motions are "
-           "compared; deadline for playing them [s]. All memory is taken here.",
-           py::arg("path"), py::arg("scene"), py::arg("actuator"), py::arg("objective") = "tolerant",
-           py::arg("deadline") = AtlasReader::Options().deadline)
-      .def(
-          "at",
-          [](PythonReader& r, double height, double forward_speed, double pitch, double pitch_rate,
-             double vertical_speed) {
-            Drop drop = dropped({}, {height, forward_speed, pitch, pitch_rate});
-            drop.vertical_speed = checked("vertical_speed", vertical_speed, Range::any());
-            return r.at(drop);
-          },
-          py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
-          py::arg("vertical_speed") = 0.0,
-          "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s], vertical_speed [m/s], "
-          "upwards.");
+  py::class_<PythonReader> c(m, "AtlasReader",
+                             "An atlas in a control program: an answer for the drop at hand in 2 ms.");
+  define_constructor(
+      c,
+      [](const ReaderArguments& a, const Path& path, const Scene& scene, const Actuator& actuator) {
+        const AtlasReader::Options options = reader_options(a);
+        require_gains(actuator);
+        return std::make_unique<PythonReader>("reader", scene, goal_name(std::uint64_t(options.goal)), path.text, scene,
+                                              actuator.sea, options);
+      },
+      "path: atlas.bin; scene and actuator: those of the atlas; objective: peak or tolerant, by which motions are "
+      "compared; deadline for playing them [s]. All memory is taken here.",
+      py::arg("path"), py::arg("scene"), py::arg("actuator"), kObjective.with("tolerant"), kReaderDeadline);
+  c.def(
+      "at",
+      [](PythonReader& r, double height, double forward_speed, double pitch, double pitch_rate, double vertical_speed) {
+        Drop drop = dropped({}, {height, forward_speed, pitch, pitch_rate});
+        drop.vertical_speed = checked("vertical_speed", vertical_speed, Range::any());
+        return NamedEntry{r.ask([&](AtlasReader& x) { return x.at(drop); }), r.goal};
+      },
+      py::arg("height"), py::arg("forward_speed") = 0.0, py::arg("pitch") = 0.0, py::arg("pitch_rate") = 0.0,
+      py::arg("vertical_speed") = 0.0,
+      "For a drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s], vertical_speed [m/s], "
+      "upwards.");
 }
 
 }  // namespace
@@ -269,49 +251,27 @@ void bind_atlas(py::module_& m) {
   bind_atlas_class<BodyAtlasPlan>(m, "RobotAtlas", "The same of a robot of links.",
                                   "The motions of a drop, by joint, by its indices along the axes, or None.");
   bind_atlas_reader(m), bind_body_reader(m);
-  m.def(
-      "atlas",
-      [](const Scene& scene, const Actuator& actuator, const Axis& height, const Axis& forward_speed, const Axis& pitch,
-         const std::string& objective, std::optional<long> evaluations, const std::optional<std::string>& robust,
-         const std::optional<std::string>& scatter, double inflate, long samples, std::uint64_t seed, int threads) {
+  define(
+      m, "atlas",
+      [](const Arguments& a, const Scene& scene, const Actuator& actuator, const Axis& height,
+         const Axis& forward_speed, const Axis& pitch) {
         require_gains(actuator);
-        AtlasOptions options;
-        options.grid.axes = {axis_of("height", height), axis_of("forward_speed", forward_speed),
-                             axis_of("pitch", pitch)};
-        options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
-        options.search.seed = seed, options.search.threads = threads;
-        options.robust = robust_of(robust, scatter, inflate, samples);
-        return planned(scene, actuator, options);
+        return planned(scene, actuator, atlas_options(a, scene.drop, height, forward_speed, pitch));
       },
-      py::arg("scene"), py::arg("actuator"), py::arg("height"), py::arg("forward_speed"), py::arg("pitch"),
-      py::arg("objective") = "peak", py::arg("evaluations") = py::none(), py::arg("robust") = py::none(),
-      py::arg("scatter") = py::none(), py::arg("inflate") = 1.0, py::arg("samples") = RobustOptions().samples,
-      py::arg("seed") = 1, py::arg("threads") = 0,
+      py::arg("scene"), py::arg("actuator"), py::arg("height"), py::arg("forward_speed"), py::arg("pitch"), kObjective,
+      kEvaluations, kRobust, kScatter, kInflate, kSamples.with(RobustOptions().samples), kSeed, kThreads,
       "The best motion for every drop of a grid, as `ukemi atlas`. height [m], forward_speed [m/s], pitch [rad]: "
       "(lowest, highest, how many); the rest as of `optimize`, for each drop. Shards and resumption: the program.");
-  m.def(
-      "atlas",
-      [](const BodyScene& scene, const std::optional<Axis>& height, const std::optional<Axis>& forward_speed,
-         const std::optional<Axis>& pitch, const std::string& objective, std::optional<long> evaluations,
-         const std::optional<std::string>& robust, const std::optional<std::string>& scatter, double inflate,
-         long samples, std::uint64_t seed, int threads, const std::vector<std::string>& forbidden, bool ratings) {
-        AtlasOptions options;
-        const auto axis = [](const char* what, const std::optional<Axis>& given, double scene_value) {
-          return given ? axis_of(what, *given) : AtlasAxis{scene_value, scene_value, 1};
-        };
-        options.grid.axes = {axis("height", height, scene.drop.height),
-                             axis("forward_speed", forward_speed, scene.drop.forward_speed),
-                             axis("pitch", pitch, scene.drop.pitch)};
-        options.search.goal = goal_of(objective), options.search.evaluations = evaluations;
-        options.search.seed = seed, options.search.threads = threads;
-        options.robust = robust_of(robust, scatter, inflate, samples);
-        return planned(with_limits(scene, forbidden, ratings), options);
+  define(
+      m, "atlas",
+      [](const Arguments& a, const BodyScene& scene, const std::optional<Axis>& height,
+         const std::optional<Axis>& forward_speed, const std::optional<Axis>& pitch) {
+        const AtlasOptions options = atlas_options(a, scene.drop, height, forward_speed, pitch);
+        return planned(with_limits(scene, a), options);
       },
       py::arg("scene"), py::arg("height") = py::none(), py::arg("forward_speed") = py::none(),
-      py::arg("pitch") = py::none(), py::arg("objective") = "peak", py::arg("evaluations") = py::none(),
-      py::arg("robust") = py::none(), py::arg("scatter") = py::none(), py::arg("inflate") = 1.0,
-      py::arg("samples") = BodyPlanOptions().samples, py::arg("seed") = 1, py::arg("threads") = 0,
-      py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
+      py::arg("pitch") = py::none(), kObjective, kEvaluations, kRobust, kScatter, kInflate, kSamples, kSeed, kThreads,
+      kForbid, kRespectRatings,
       "The same of a robot of links; an axis that is not given stands where the scene does. forbid and respect_ratings "
       "as of `optimize`; RobotAtlasReader is told them too.");
 }

@@ -21,6 +21,7 @@
 #include "common/degrees.hpp"
 #include "common/error.hpp"
 #include "common/toml.hpp"
+#include "identify/logs/trial.hpp"
 #include "identify/trust/profile.hpp"
 #include "tools/program/actuators.hpp"
 
@@ -77,14 +78,41 @@ auto long_call(F&& f) {
   return result.get();
 }
 
-/// Runs f() without the GIL. Throws where another thread is in such a call: `what`: "planner".
-template <class F>
-auto alone(std::mutex& mutex, const char* what, F&& f) {
-  const std::unique_lock lock(mutex, std::try_to_lock);
-  if (!lock) throw std::runtime_error(std::string("the ") + what + " is asked by another thread already");
-  const py::gil_scoped_release release;
-  return f();
+/// Runs f() as a long call, which ends early where its monitors hear stop(); afterwards they hear nothing.
+template <class F, class... Monitors>
+auto monitored(F f, Monitors&... monitors) {
+  auto result = long_call([&](const std::function<bool()>& stop) {
+    ((monitors.stop = stop), ...);
+    return f();
+  });
+  ((monitors.stop = {}), ...);
+  return result;
 }
+
+/// A planner or a reader (T) that a control program asks, with its scene and the name of its goal. Throws where another
+/// thread asks it meanwhile; `what`: "planner".
+template <class T, class Scene>
+class Asked {
+ public:
+  template <class... Given>
+  Asked(const char* what, const Scene& its_scene, const std::string& its_goal, const Given&... given)
+      : scene(its_scene), goal(its_goal), what_(what), asked_(given...) {}
+  const Scene scene;
+  const std::string goal;  ///< name of what is compared
+  /// f(planner or reader) without the GIL.
+  template <class F>
+  auto ask(F f) {
+    const std::unique_lock lock(mutex_, std::try_to_lock);
+    if (!lock) throw std::runtime_error(std::string("the ") + what_ + " is asked by another thread already");
+    const py::gil_scoped_release release;
+    return f(asked_);
+  }
+
+ private:
+  const char* what_;
+  T asked_;
+  std::mutex mutex_;
+};
 
 /// Factor of the constants' standard errors under scatter, 0 to 100.
 inline double inflation(double inflate) { return checked("inflate", inflate, {0, 100, false, "0 to 100"}); }
@@ -109,6 +137,14 @@ void column_property(py::class_<T, Options...>& c, const char* name, const std::
       name, [of](const py::object& self) { return view(std::invoke(of, self.cast<const T&>()), self); }, words.c_str());
 }
 
+/// of(x) of each of `all`.
+template <class All, class Of>
+py::list list_of(const All& all, Of of) {
+  py::list out;
+  for (const auto& x : all) out.append(of(x));
+  return out;
+}
+
 /// Binds a function that reads a file; read(path).
 template <class Read>
 void bind_reader(py::module_& m, const char* name, const char* words, Read read) {
@@ -119,17 +155,6 @@ void bind_reader(py::module_& m, const char* name, const char* words, Read read)
 struct Figure {
   std::string svg;
 };
-
-/// `terms` with the fitted names, priors and bounds of a call's arguments.
-template <class Choice>
-Choice chosen_terms(Choice terms, const std::optional<std::vector<std::string>>& free,
-                    const std::vector<std::string>& nuisance, const Priors& priors, const Bounds& lower,
-                    const Bounds& upper) {
-  if (free) terms.free = *free;
-  terms.nuisance = nuisance, terms.lower = lower, terms.upper = upper;
-  for (const auto& [name, prior] : priors) terms.priors.push_back({name, prior.first, prior.second});
-  return terms;
-}
 
 /// Binds the estimates of a fit; of(result): the fit.
 template <class Result, class Of, class... Options>
@@ -177,31 +202,16 @@ void bind_profiles(py::class_<Result, Options...>& c, Of of) {
            });
 }
 
+/// Trials with zero force between hits and the command of the rig's drive. force_noise [N], >= 0.
+std::vector<identify::Trial> prepared(std::vector<identify::Trial> trials, const identify::Rig& rig,
+                                      std::optional<double> force_noise);
 /// tools::require_gains for the argument "actuator".
 inline void require_gains(const Actuator& actuator) { tools::require_gains(actuator, {"actuator"}); }
 
-void bind_common(py::module_& m);          ///< errors, figures, the actuator
-void bind_trials(py::module_& m);          ///< rig, trials
-void bind_identify(py::module_& m);        ///< fits and predictions
-void bind_design(py::module_& m);          ///< the next hits
-void bind_scene(py::module_& m);           ///< scene, motion, player
-void bind_landing(py::module_& m);         ///< one landing
-void bind_optimize(py::module_& m);        ///< the best motion
-void bind_risk(py::module_& m);            ///< over drops that scatter
-void bind_map(py::module_& m);             ///< the box of motions, ratings
-void bind_planner(py::module_& m);         ///< for control programs
-void bind_atlas(py::module_& m);           ///< the table that a robot carries, its reader
-void bind_calibrate(py::module_& m);       ///< drops, the floor
-void bind_compare(py::module_& m);         ///< two sets of constants
-void bind_body(py::module_& m);            ///< robots of links: one landing
-void bind_body_plan(py::module_& m);       ///< their plans, their risk
-void bind_body_map(py::module_& m);        ///< their motions on a grid
-void bind_body_calibrate(py::module_& m);  ///< their floor
-void bind_body_compare(py::module_& m);    ///< two sets of their drives
-void bind_trade(py::module_& m);           ///< what their designs buy
-void bind_robot_trials(py::module_& m);    ///< robots of links that logs drive
-void bind_robot_design(py::module_& m);    ///< design_robot
-void bind_report(py::module_& m);          ///< write_report
+/// Each binds what the source file of its name has.
+using Bind = void(py::module_& m);
+Bind bind_common, bind_scene, bind_trials, bind_identify, bind_landing, bind_optimize, bind_risk, bind_map,
+    bind_planner, bind_calibrate, bind_compare, bind_atlas, bind_trade, bind_robot_trials, bind_design, bind_report;
 
 }  // namespace ukemi::python
 

@@ -7,7 +7,7 @@
 #include "common/eigen.hpp"
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
-#include "tools/python/value.hpp"
+#include "tools/python/arguments.hpp"
 
 namespace ukemi::python {
 
@@ -65,55 +65,41 @@ namespace {
 
 using identify::Estimate;
 
-struct Limits {
-  double tau_max;
-  std::optional<double> speed_max, motor_torque_max;
-  double friction, viscous_friction, k_sea_cubic, control_delay, velocity_filter;
+/// What an actuator may be given beside its five constants.
+struct ActuatorArguments : SeaParameters<double> {
+  std::string name = {};
+  std::optional<double> speed_max = {}, motor_torque_max = {};
 };
-
-Actuator actuator_of(const std::array<double, kConstants>& u, const Limits& l, Feedback feedback,
-                     const std::string& name) {
+Actuator actuator_of(const ActuatorArguments& a, double k_p, double k_d, double k_sea, double c_sea, double i_motor) {
   Actuator out;
-  out.name = name;
-  set_constants(out.sea, u);
-  out.sea.tau_max = l.tau_max, out.sea.feedback = feedback;
-  out.sea.friction = l.friction, out.sea.viscous = l.viscous_friction, out.sea.k_sea_cubic = l.k_sea_cubic;
-  out.sea.control_delay = l.control_delay, out.sea.velocity_filter = l.velocity_filter;
-  out.speed_max = l.speed_max, out.motor_torque_max = l.motor_torque_max;
+  out.name = a.name, out.sea = a;
+  set_constants(out.sea, std::array{k_p, k_d, k_sea, c_sea, i_motor});
+  out.speed_max = a.speed_max, out.motor_torque_max = a.motor_torque_max;
   validate(out);
   return out;
-}
-
-void bind_constants(py::class_<Actuator>& c) {
-  for (const ActuatorConstant& constant : actuator_constants())
-    property(c, constant.key, fmt::format("{} [{}].", constant.meaning, constant.unit).c_str(),
-             [at = constant.at](auto& a) { return a.sea.*at; });
 }
 
 void bind_actuator(py::module_& m) {
   py::enum_<Feedback>(m, "Feedback", "Which angle Eq. 3 feeds back.")
       .value("output", Feedback::kOutput)
       .value("motor", Feedback::kMotor);
-  py::class_<Actuator> c(m, "Actuator", "The constants of a series elastic actuator (Eq. 2-4), and its ratings.");
-  c.def(py::init([](double k_p, double k_d, double k_sea, double c_sea, double i_motor, double tau_max,
-                    std::optional<double> speed_max, double friction, double viscous_friction, double k_sea_cubic,
-                    Feedback feedback, const std::string& name, std::optional<double> motor_torque_max,
-                    double control_delay, double velocity_filter) {
-          return actuator_of({k_p, k_d, k_sea, c_sea, i_motor},
-                             {tau_max, speed_max, motor_torque_max, friction, viscous_friction, k_sea_cubic,
-                              control_delay, velocity_filter},
-                             feedback, name);
-        }),
-        "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm] limits the "
-        "spring, infinite: no limit; speed_max [rad/s], motor_torque_max [Nm] rate the motor, None: unknown; friction "
-        "[Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic [Nm/rad^3], below 0: softening; control_delay, "
-        "velocity_filter [s], how late the drive is.",
-        py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
-        py::arg_v("tau_max", std::numeric_limits<double>::infinity(), "float('inf')"),
-        py::arg("speed_max") = py::none(), py::arg("friction") = 0.0, py::arg("viscous_friction") = 0.0,
-        py::arg("k_sea_cubic") = 0.0, py::arg_v("feedback", Feedback::kOutput, "Feedback.output"), py::arg("name") = "",
-        py::arg("motor_torque_max") = py::none(), py::arg("control_delay") = 0.0, py::arg("velocity_filter") = 0.0);
-  bind_constants(c);
+  Value<Actuator> c(m, "Actuator", "The constants of a series elastic actuator (Eq. 2-4), and its ratings.");
+  using Given = ActuatorArguments;
+  define_constructor(
+      c, &actuator_of,
+      "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm] limits the "
+      "spring, infinite: no limit; speed_max [rad/s], motor_torque_max [Nm] rate the motor, None: unknown; friction "
+      "[Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic [Nm/rad^3], below 0: softening; control_delay, "
+      "velocity_filter [s], how late the drive is.",
+      py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
+      Argument{"tau_max", &Given::tau_max, "float('inf')"}, Argument{"speed_max", &Given::speed_max},
+      Argument{"friction", &Given::friction}, Argument{"viscous_friction", &Given::viscous},
+      Argument{"k_sea_cubic", &Given::k_sea_cubic}, Argument{"feedback", &Given::feedback, "Feedback.output"},
+      Argument{"name", &Given::name}, Argument{"motor_torque_max", &Given::motor_torque_max},
+      Argument{"control_delay", &Given::control_delay}, Argument{"velocity_filter", &Given::velocity_filter});
+  for (const ActuatorConstant& constant : actuator_constants())
+    property(c, constant.key, fmt::format("{} [{}].", constant.meaning, constant.unit).c_str(),
+             [at = constant.at](auto& a) { return a.sea.*at; });
   c.def_readonly("name", &Actuator::name, "What it is called.")
       .def_readonly("speed_max", &Actuator::speed_max, "Rated speed of the motor at the output [rad/s], or None.")
       .def_readonly("motor_torque_max", &Actuator::motor_torque_max,
@@ -125,13 +111,12 @@ void bind_actuator(py::module_& m) {
   property(c, "verdicts", "How far the fit that found a constant may be relied on, by its name.",
            [](auto& a) { return std::map<std::string, std::string>(a.verdicts.begin(), a.verdicts.end()); });
   c.def("standard_error", &Actuator::standard_error, py::arg("constant"),
-        "Standard error of a constant [its unit], or None.")
-      .def("__repr__", [](const Actuator& a) {
-        return fmt::format("<ukemi.Actuator '{}': k_p {:.6g}, k_d {:.6g}, k_sea {:.6g}, c_sea {:.6g}, i_motor {:.6g}>",
-                           a.name, a.sea.k_p, a.sea.k_d, a.sea.k_sea, a.sea.c_sea, a.sea.i_motor);
-      });
+        "Standard error of a constant [its unit], or None.");
+  c.repr([](auto& a) {
+    return fmt::format(" '{}': k_p {:.6g}, k_d {:.6g}, k_sea {:.6g}, c_sea {:.6g}, i_motor {:.6g}", a.name, a.sea.k_p,
+                       a.sea.k_d, a.sea.k_sea, a.sea.c_sea, a.sea.i_motor);
+  });
   bind_file(c, "an actuator file", [](const Actuator& a) { return to_toml(a); });
-  bind_value(c);
   bind_reader(m, "read_actuator", "Reads an actuator file (TOML).",
               [](const Path& path) { return read_actuator(path); });
 }
@@ -142,15 +127,14 @@ void bind_common(py::module_& m) {
   py::register_exception<InputError>(m, "InputError", PyExc_ValueError).attr("__doc__") =
       "Bad input: where, what, the value and the rule, on one line.";
   m.def("dataset", &tools::dataset, py::arg("name"), "Path of a file of the shipped data, as \"scenes/paper.toml\".");
-  py::class_<Figure> figure(m, "Figure", "A picture; notebooks show it by themselves.");
+  Value<Figure> figure(m, "Figure", "A picture; notebooks show it by themselves.");
   figure.def_readonly("svg", &Figure::svg, "Its text (SVG).")
       .def(
           "save", [](const Figure& f, const Path& path) { write_file(path, f.svg); }, py::arg("path"),
           "Writes it as an SVG file.")
       .def(
           "_repr_svg_", [](const Figure& f) { return f.svg; }, "What a notebook shows.");
-  bind_value(figure);
-  py::class_<Estimate> estimate(m, "Estimate", "What a fit came to for one term.");
+  Value<Estimate> estimate(m, "Estimate", "What a fit came to for one term.");
   estimate.def_readonly("name", &Estimate::name, "The term.")
       .def_readonly("unit", &Estimate::unit, "Its unit.")
       .def_readonly("value", &Estimate::value, "Its value [unit].")
@@ -165,11 +149,10 @@ void bind_common(py::module_& m) {
            "How far a constant may be relied on: trusted, weak, not identifiable, at its bound, fixed; of what was "
            "fitted along: fitted.",
            [](auto& e) { return name(e.verdict); });
-  estimate.def("__float__", [](const Estimate& e) { return e.value; }).def("__repr__", [](const Estimate& e) {
-    return fmt::format("<ukemi.Estimate {} {:.6g}{} {}>", e.name, e.value,
-                       e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
+  estimate.def("__float__", [](const Estimate& e) { return e.value; });
+  estimate.repr([](auto& e) {
+    return fmt::format(" {} {:.6g}{} {}", e.name, e.value, e.std ? fmt::format(" +- {:.2g}", *e.std) : "", e.unit);
   });
-  bind_value(estimate);
   bind_actuator(m);
 }
 

@@ -22,7 +22,7 @@ constexpr bool is_initializable(std::index_sequence<I...>) {
 /// Number of fields of an aggregate, at most 32; each base counts as one.
 template <class T, std::size_t N = 32>
 constexpr std::size_t field_count() {
-  static_assert(std::is_aggregate_v<T>, "not a struct of fields: see Serializer of archive.hpp");
+  static_assert(std::is_aggregate_v<T>, "not a struct of fields: see serialize of archive.hpp");
   if constexpr (N == 0)
     return 0;
   else if constexpr (is_initializable<T>(std::make_index_sequence<N>()))

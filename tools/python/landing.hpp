@@ -1,7 +1,10 @@
-// Shared by the bindings of landings.
+// Shared by the bindings of landings, for both kinds of robot.
 #pragma once
 
 #include "landing/judge/checked.hpp"
+#include "landing/plan/body_plan.hpp"
+#include "landing/plan/body_risk.hpp"
+#include "landing/plan/checked_body.hpp"
 #include "landing/search/objective.hpp"
 #include "tools/python/value.hpp"
 #include "tools/report/landing.hpp"
@@ -15,26 +18,16 @@ struct DropNumbers {
 /// The drop with these changes. Throws InputError for a number out of range.
 landing::Drop dropped(landing::Drop drop, const DropNumbers& numbers);
 
-/// Binds dropped(...), the same scene with another drop; check(scene) throws InputError for one that cannot be.
-template <class Scene, class Check>
-void bind_dropped(py::class_<Scene>& c, Check check) {
-  c.def(
-      "dropped",
-      [check](Scene s, std::optional<double> height, std::optional<double> speed, std::optional<double> pitch,
-              std::optional<double> pitch_rate) {
-        s.drop = dropped(s.drop, {height, speed, pitch, pitch_rate});
-        check(s);
-        return s;
-      },
-      py::arg("height") = py::none(), py::arg("forward_speed") = py::none(), py::arg("pitch") = py::none(),
-      py::arg("pitch_rate") = py::none(),
-      "The same scene with another drop: height [m], forward_speed [m/s], pitch [rad], pitch_rate [rad/s].");
-}
-
 /// A motion found by a search, with its goal.
 struct PlannedMotion : landing::Motion {
   std::string goal;  ///< name of what was minimised
   double value = 0;  ///< of the goal [m/s^2]
+};
+/// What was found, and the name of what was minimised or compared.
+template <class T>
+struct WithGoal {
+  T answer;
+  std::string goal;
 };
 /// "tolerant peak 190.5 m/s^2".
 std::string minimised(const std::string& goal, double value);
@@ -45,6 +38,11 @@ struct Played {
   Actuator actuator;
   double rate = 0;  ///< rows of the trajectory per second [Hz]
 };
+/// A landing with the rate of its trajectory [Hz].
+struct BodyPlayed {
+  landing::CheckedBody checked;
+  double rate = 0;
+};
 /// |ddr_0| over time of named landings.
 Figure figure(const std::vector<std::pair<std::string, const landing::Landing*>>& landings);
 /// A flag for each point, set for the named ones.
@@ -52,17 +50,27 @@ std::array<bool, landing::kPoints> points_of(const std::vector<std::string>& nam
 /// The goal of a name: peak, tolerant.
 landing::Goal goal_of(const std::string& text);
 
-/// Binds a column of the rows of a landing's trajectory, shown without a copy; address(row): of its number.
-template <class T, class Address, class... Options>
-void row_property(py::class_<T, Options...>& c, const char* name, const std::string& words, Address address) {
-  c.def_property_readonly(
-      name,
-      [address](const py::object& self) {
-        const auto& rows = self.cast<const T&>().checked.landing.trajectory;
-        return view(rows.empty() ? nullptr : address(rows.front()), rows.size(), sizeof(rows[0]), self);
-      },
-      words.c_str());
+/// Motions of driven joints by the joint's name.
+using JointMotions = std::map<std::string, landing::Motion>;
+/// Motions of all joints; those without one are held. Throws InputError for a name that is no driven joint.
+landing::BodyMotion motions_of(const landing::BodyScene& scene, const JointMotions& motions);
+/// Motions of the driven joints by name, in the robot's order.
+py::dict by_joint(const landing::Robot& robot, const landing::BodyMotion& motion);
+
+/// Names of links, joints or contacts.
+template <class Named>
+std::vector<std::string> names_of(const std::vector<Named>& all) {
+  std::vector<std::string> out;
+  for (const Named& x : all) out.push_back(x.name);
+  return out;
 }
+
+/// Dicts of loads by name: kind, of, rating, unit, limit; of a landing also value, t [s] and ratio.
+py::dict loads_of_scene(const landing::BodyScene& scene);
+py::dict loads_of_landing(const landing::BodyScene& scene, const landing::BodyLanding& landing);
+
+/// Residuals of the outputs that were measured, by name.
+std::map<std::string, double> rms_by_output(const tools::FloorFit& fit);
 
 /// A contact with the name of its point.
 struct NamedTouch : landing::Touch {
@@ -99,10 +107,7 @@ void bind_checked(py::class_<T, Options...>& c, Name name, const char* point) {
            [](auto& x) { return x.checked.landing.energy_residual; });
 }
 
-template <>
-struct Serializer<PlannedMotion>
-    : WithBase<PlannedMotion, landing::Motion, &PlannedMotion::goal, &PlannedMotion::value> {};
-template <>
-struct Serializer<NamedTouch> : WithBase<NamedTouch, landing::Touch, &NamedTouch::name> {};
+void serialize(auto& a, PlannedMotion& x) { serialize_with_base<landing::Motion>(a, x, x.goal, x.value); }
+void serialize(auto& a, NamedTouch& x) { serialize_with_base<landing::Touch>(a, x, x.name); }
 
 }  // namespace ukemi::python

@@ -1,15 +1,21 @@
 // Python bindings of maps and of motor ratings.
 #include <fmt/format.h>
 
+#include <variant>
+
 #include "landing/judge/speed.hpp"
-#include "landing/judge/survey.hpp"
-#include "tools/python/mapped.hpp"
+#include "landing/plan/body_map.hpp"
+#include "tools/python/landing.hpp"
+#include "tools/report/body.hpp"
 #include "tools/report/results.hpp"
 
 namespace ukemi::python {
 
 using namespace landing;
 
+namespace {
+
+/// Indices of the varied variables.
 std::vector<int> varied(const PeakMap& map) {
   std::vector<int> out;
   for (int k = 0; k < int(map.cells.size()); ++k)
@@ -17,6 +23,7 @@ std::vector<int> varied(const PeakMap& map) {
   return out;
 }
 
+/// View of the peaks with an axis for each varied variable; `owner` keeps them alive.
 py::array_t<double> peaks_view(const PeakMap& map, py::handle owner) {
   std::vector<py::ssize_t> shape, strides;
   py::ssize_t step = sizeof(PeakMap::Cell);
@@ -27,6 +34,7 @@ py::array_t<double> peaks_view(const PeakMap& map, py::handle owner) {
   return out;
 }
 
+/// The grid's values of each varied variable by name.
 py::dict axes_of(const PeakMap& map) {
   py::dict out;
   for (const int k : varied(map)) {
@@ -37,7 +45,8 @@ py::dict axes_of(const PeakMap& map) {
   return out;
 }
 
-Figure figure(const PeakMap& map, int x, int y) {
+/// The smallest peak over varied variables number x and y.
+Figure map_figure(const PeakMap& map, int x, int y) {
   const std::vector<int> axes = varied(map);
   const int n = int(axes.size());
   if (n == 1) {
@@ -51,55 +60,127 @@ Figure figure(const PeakMap& map, int x, int y) {
   return {tools::Report("").heatmap(tools::projection(map, axes[std::size_t(x)], axes[std::size_t(y)]))};
 }
 
-namespace {
+/// Binds what maps of both kinds of robot tell; of(x): the peaks.
+template <class T, class Of, class... Options>
+void bind_mapped(py::class_<T, Options...>& c, Of of) {
+  c.def_property_readonly(
+      "peak", [of](const py::object& self) { return peaks_view(of(self.cast<const T&>()).map, self); },
+      "Peaks [m/s^2], of a robot with loads the largest value / rating [1], an axis for each of `axes`; NaN where a "
+      "landing could not be followed or breaks a limit.");
+  property(c, "axes", "The grid's values along each variable that has a grid, by its name [rad, s or 1].",
+           [of](auto& x) { return axes_of(of(x).map); });
+  property(c, "failed", "Landings that could not be followed.", [of](auto& x) { return of(x).failed; });
+  property(c, "joint_lost", "Landings whose drive lost the joint.", [of](auto& x) { return of(x).lost; });
+  c.def(
+       "figure", [of](const T& r, int x, int y) { return map_figure(of(r).map, x, y); }, py::arg("x") = 0,
+       py::arg("y") = 1, "The smallest peak [m/s^2] over the variables that are not drawn; x, y: indices of `axes`.")
+      .def(
+          "_repr_svg_", [of](const T& x) { return map_figure(of(x).map, 0, 1).svg; }, "What a notebook shows.");
+}
 
-/// A survey and its seed.
-struct SurveyResult {
-  Survey survey;
-  std::uint64_t seed = 1;
-};
+using SurveyResult = Seeded<Survey>;
+using BodyMap = Seeded<BodySurvey>;
 
 void bind_basin(py::module_& m) {
-  py::class_<JudgedBasin> c(m, "Basin", "The best motion found near a local minimum of a map.");
+  Value<JudgedBasin> c(m, "Basin", "The best motion found near a local minimum of a map.");
   property(c, "motion", "The motion.", [](auto& b) { return b.basin.play.motion; });
   property(c, "peak", "Its peak [m/s^2].", [](auto& b) { return b.basin.peak; });
   property(c, "tolerant_peak", "The worst peak within the scene's execution tolerance [m/s^2].",
            [](auto& b) { return b.evidence.tolerant.value; });
-  bind_value(c);
 }
 
 void bind_survey(py::module_& m) {
-  py::class_<SurveyResult> c(m, "Map", "The box of motions on a grid, and its basins.");
+  Value<SurveyResult> c(m, "Map", "The box of motions on a grid, and its basins.");
   bind_mapped(
-      c, [](auto& r) -> auto& { return r.survey; });
-  property(c, "basins", "The distinct basins, the best first.", [](auto& r) { return r.survey.basins; });
-  bind_value(c);
-  bind_report(c, tools::kMapOutputs, &SurveyResult::seed,
-              [](auto& r, tools::Run& run) { return report(r.survey, run); });
+      c, [](auto& r) -> auto& { return r.result; });
+  property(c, "basins", "The distinct basins, the best first.", [](auto& r) { return r.result.basins; });
+  bind_report(c, tools::kMapOutputs);
 }
 
 void bind_map_call(py::module_& m) {
-  m.def(
-      "map",
-      [](const Scene& scene, const Actuator& actuator, const std::vector<int>& grid, int polish, std::uint64_t seed,
-         int threads) {
+  define(
+      m, "map",
+      [](const Arguments& a, const Scene& scene, const Actuator& actuator, const std::vector<int>& grid, int polish) {
         require_gains(actuator);
         const ReferenceSpace space(scene, actuator.sea);
         if (grid.size() < kPaperVariables || int(grid.size()) > space.dimension())
           throw InputError(fmt::format("grid: {} numbers: {} to {} are needed", grid.size(), int(kPaperVariables),
                                        space.dimension()));
         SurveyOptions options;
-        options.map.cells = grid, options.map.polished = polish, options.map.seed = seed, options.map.threads = threads;
-        options.map.validate();
-        return long_call([&](const std::function<bool()>& stop) {
-          options.map.monitor.stop = options.basins.stop = options.evidence.stop = stop;
-          return SurveyResult{survey(scene, space, options), seed};
-        });
+        MapOptions& map = options.map;
+        map.cells = grid, map.polished = polish, map.seed = a.seed, map.threads = a.threads;
+        map.validate();
+        const auto find = [&] { return survey(scene, space, options); };
+        return SurveyResult{monitored(find, map.monitor, options.basins, options.evidence), a.seed};
       },
       py::arg("scene"), py::arg("actuator"), py::arg("grid") = MapOptions().cells,
-      py::arg("polish") = MapOptions().polished, py::arg("seed") = 1, py::arg("threads") = 0,
+      py::arg("polish") = MapOptions().polished, kSeed, kThreads,
       "The whole box of motions on a grid, as `ukemi map`. grid: points of phi_i, phi_f, duration and, if the motion "
       "has more, those.");
+}
+
+py::dict mapped_motion(const BodyMap& m, const BodyMotion& motion, double peak) {
+  py::dict out;
+  out["motions"] = by_joint(m.result.scene.robot, motion), out["peak"] = peak;
+  return out;
+}
+
+void bind_body_survey(py::module_& m) {
+  Value<BodyMap> c(m, "RobotMap", "The motions of a robot of links on a grid over some of their variables.");
+  bind_mapped(
+      c, [](auto& x) -> auto& { return x.result; });
+  property(c, "broken", "Landings that broke a limit of the scene.", [](auto& x) { return x.result.broken; });
+  property(
+      c, "minima",
+      "The grid's best local minima, the best first: a dict of motions (by joint) and peak, in the unit of `peak`.",
+      [](auto& x) {
+        return list_of(x.result.minima, [&](const GridMinimum& g) { return mapped_motion(x, g.motion, g.peak); });
+      });
+  property(c, "basins",
+           "What was found from there over all variables, the best first: a dict of motions, peak and tolerant_peak "
+           "(infinite: one of its drops could not be followed or breaks a limit).",
+           [](auto& x) {
+             return list_of(x.result.basins, [&](const BodyBasin& b) {
+               py::dict basin = mapped_motion(x, b.motion, b.peak);
+               basin["tolerant_peak"] = b.tolerant;
+               return basin;
+             });
+           });
+  c.repr([](auto& x) {
+    return fmt::format(": {} landings, {} basins", x.result.map.grid.size(), x.result.basins.size());
+  });
+  bind_report(c, tools::kMapOutputs);
+}
+
+/// Varied variables by name, or with their numbers of points.
+using Vary = std::variant<std::vector<std::string>, std::map<std::string, double>>;
+std::vector<GridAxis> grid_of(const Vary& vary) {
+  std::vector<GridAxis> out;
+  if (const auto* names = std::get_if<0>(&vary))
+    for (const std::string& name : *names) out.push_back({name, {}});
+  else
+    for (const auto& [name, points] : std::get<1>(vary)) out.push_back({name, points});
+  return out;
+}
+
+void bind_body_map(py::module_& m) {
+  define(
+      m, "map",
+      [](const Arguments& a, const BodyScene& scene, const Vary& vary, const std::optional<JointMotions>& slice,
+         int polish) {
+        const BodySpace space(scene);
+        SurveyOptions options;
+        MapOptions& map = options.map;
+        map.cells = cells_of(space, grid_of(vary), "vary");
+        map.slice = slice ? slice_of(space, scene, motions_of(scene, *slice), {"slice"}) : held_slice(space, scene);
+        map.polished = polish, map.seed = a.seed, map.threads = a.threads;
+        map.validate();
+        return BodyMap{monitored([&] { return survey(scene, options); }, map.monitor, options.basins), a.seed};
+      },
+      py::arg("scene"), py::arg("vary"), py::arg("slice") = py::none(), py::arg("polish") = MapOptions().polished,
+      kSeed, kThreads,
+      "The same of a robot of links. vary: one to three variables by name, as [\"phi_i_hip\", \"phi_f_knee\"], or a "
+      "dict with the points of each; slice: motions by joint, where the others stand (None: the held posture).");
 }
 
 /// The rated plans and their inputs.
@@ -119,26 +200,22 @@ std::vector<double> rising(const std::string& what, const Numbers& numbers) {
   return out;
 }
 
-RatingsResult rated(const Scene& scene, const Actuator& actuator, const Numbers& speeds,
-                    const std::optional<Numbers>& torques, std::optional<long> evaluations, std::uint64_t seed,
-                    int threads) {
+RatingsResult rated(const Arguments& a, const Scene& scene, const Actuator& actuator, const Numbers& speeds,
+                    const std::optional<Numbers>& torques) {
   require_gains(actuator);
   RatingOptions options;
   options.speeds = rising("motor_speeds", speeds);
   options.torques = torques ? rising("motor_torques", *torques)
                             : std::vector{actuator.motor_torque_max.value_or(std::numeric_limits<double>::infinity())};
-  options.search.evaluations = evaluations, options.search.seed = seed, options.search.threads = threads;
+  options.search.evaluations = a.evaluations, options.search.seed = a.seed, options.search.threads = a.threads;
   options.search.tolerance_samples = 0;
   options.search.validate();
-  return long_call([&](const std::function<bool()>& stop) {
-    options.search.monitor.stop = stop;
-    RatingsResult out{scene, rated_plans(scene, actuator, options), seed};
-    return out;
-  });
+  const auto find = [&] { return rated_plans(scene, actuator, options); };
+  return {scene, monitored(find, options.search.monitor), a.seed};
 }
 
 void bind_ratings(py::module_& m) {
-  py::class_<RatedPlan> plan(m, "RatedPlan", "The best motions of a motor with these ratings.");
+  Value<RatedPlan> plan(m, "RatedPlan", "The best motions of a motor with these ratings.");
   const auto motion = [](const Optimum& o, const char* goal) -> std::optional<PlannedMotion> {
     return o.found ? std::optional(PlannedMotion{o.motion, goal, o.value}) : std::nullopt;
   };
@@ -148,26 +225,25 @@ void bind_ratings(py::module_& m) {
            [motion](auto& p) { return motion(p.lowest, "peak"); });
   property(plan, "tolerant", "The motion with the smallest tolerant peak, or None.",
            [motion](auto& p) { return motion(p.tolerant, "tolerant peak"); });
-  plan.def("__repr__", [](const RatedPlan& p) {
-    return fmt::format("<ukemi.RatedPlan {:.4g} rad/s, {:.4g} Nm: {}, {}>", p.speed, p.torque,
-                       minimised("peak", p.lowest.value), minimised("tolerant peak", p.tolerant.value));
+  plan.repr([](auto& p) {
+    return fmt::format(" {:.4g} rad/s, {:.4g} Nm: {}, {}", p.speed, p.torque, minimised("peak", p.lowest.value),
+                       minimised("tolerant peak", p.tolerant.value));
   });
-  bind_value(plan);
-  py::class_<RatingsResult> c(m, "Ratings", "What speed buys: the best peaks against the motor's ratings.");
+  Value<RatingsResult> c(m, "Ratings", "What speed buys: the best peaks against the motor's ratings.");
   c.def_readonly("plans", &RatingsResult::plans, "Every torque at every speed, speeds first; each a RatedPlan.");
-  bind_value(c);
   bind_report(c, tools::kRatingsOutputs, &RatingsResult::seed,
               [](auto& r, tools::Run& run) { return report(r.scene, r.plans, run); });
-  m.def(
-      "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),
-      py::arg("motor_torques") = py::none(), py::arg("evaluations") = py::none(), py::arg("seed") = 1,
-      py::arg("threads") = 0,
+  define(
+      m, "ratings", &rated, py::arg("scene"), py::arg("actuator"), py::arg("motor_speeds"),
+      py::arg("motor_torques") = py::none(), kEvaluations, kSeed, kThreads,
       "The best peaks against the motor's ratings, as `ukemi ratings`. motor_speeds [rad/s], motor_torques [Nm]: each "
       "rising; None: the actuator's motor_torque_max, else no limit; evaluations: motions tried in each search.");
 }
 
 }  // namespace
 
-void bind_map(py::module_& m) { bind_basin(m), bind_survey(m), bind_map_call(m), bind_ratings(m); }
+void bind_map(py::module_& m) {
+  bind_basin(m), bind_survey(m), bind_map_call(m), bind_body_survey(m), bind_body_map(m), bind_ratings(m);
+}
 
 }  // namespace ukemi::python

@@ -11,10 +11,9 @@ void build(py::module_& m) {
       "SI units: m, s, rad, N, Nm, kg; what ends in _deg is in degrees. Bad input raises InputError. Long calls free "
       "the interpreter and end at Ctrl-C.";
   m.attr("__version__") = UKEMI_VERSION;
-  bind_common(m), bind_scene(m), bind_trials(m), bind_identify(m), bind_design(m);
-  bind_landing(m), bind_optimize(m), bind_risk(m), bind_map(m), bind_planner(m);
-  bind_calibrate(m), bind_compare(m), bind_body(m), bind_body_plan(m), bind_body_map(m), bind_body_calibrate(m),
-      bind_body_compare(m), bind_atlas(m), bind_trade(m), bind_robot_trials(m), bind_robot_design(m), bind_report(m);
+  bind_common(m), bind_scene(m), bind_trials(m), bind_identify(m), bind_robot_trials(m), bind_design(m);
+  bind_landing(m), bind_optimize(m), bind_risk(m), bind_map(m), bind_planner(m), bind_calibrate(m), bind_compare(m);
+  bind_atlas(m), bind_trade(m), bind_report(m);
 }
 
 }  // namespace ukemi::python

@@ -16,160 +16,94 @@
 
 namespace ukemi::python {
 
-/// The base, then the struct's own fields kFields; a missing field is a compile error.
-template <class T, class Base, auto... kFields>
-struct WithBase {
-  static_assert(field_count<T>() == 1 + sizeof...(kFields), "a field of it is not named");
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    if constexpr (A::kReading)
-      serialize(a, static_cast<Base&>(x));
-    else
-      serialize(a, static_cast<const Base&>(x));
-    (serialize(a, x.*kFields), ...);
-  }
-};
-/// All fields; the run times kTimes are not compared.
-template <class T, auto... kTimes>
-struct ExceptTimes {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    for_each_field(x, [&](auto& field) {
-      const auto is_time = [&field](const double& time) { return static_cast<const void*>(&time) == &field; };
-      if (!a.compares() || !(is_time(x.*kTimes) || ...)) serialize(a, field);
-    });
-  }
-};
-template <>
-struct Serializer<landing::Progress> : ExceptTimes<landing::Progress, &landing::Progress::seconds> {};
-template <>
-struct Serializer<landing::Optimum> : ExceptTimes<landing::Optimum, &landing::Optimum::seconds> {};
-template <>
-struct Serializer<landing::Answer> : ExceptTimes<landing::Answer, &landing::Answer::evidence_seconds> {};
-template <>
-struct Serializer<landing::BodyProgress> : ExceptTimes<landing::BodyProgress, &landing::BodyProgress::seconds> {};
-template <>
-struct Serializer<landing::BodyPlan> : ExceptTimes<landing::BodyPlan, &landing::BodyPlan::seconds> {};
-template <>
-struct Serializer<landing::MappedPeaks> : ExceptTimes<landing::MappedPeaks, &landing::MappedPeaks::map_seconds> {};
-using landing::BodyLanding, landing::BodyRisk, landing::Landing, landing::PeakRisk, landing::Risk, landing::RunEnd;
-template <>
-struct Serializer<Landing> : WithBase<Landing, RunEnd, &Landing::touches, &Landing::peaks, &Landing::trajectory,
-                                      &Landing::demands, &Landing::energy_residual> {};
-template <>
-struct Serializer<BodyLanding>
-    : WithBase<BodyLanding, RunEnd, &BodyLanding::broken, &BodyLanding::loads, &BodyLanding::touches,
-               &BodyLanding::peaks, &BodyLanding::demands, &BodyLanding::trajectory, &BodyLanding::energy_residual,
-               &BodyLanding::base, &BodyLanding::speed, &BodyLanding::theta> {};
-template <>
-struct Serializer<Risk> : WithBase<Risk, PeakRisk, &Risk::worst> {};
-template <>
-struct Serializer<BodyRisk> : WithBase<BodyRisk, PeakRisk, &BodyRisk::scatter, &BodyRisk::assumed, &BodyRisk::worst> {};
-template <>
-struct Serializer<landing::Survey>
-    : WithBase<landing::Survey, landing::MappedPeaks, &landing::Survey::scene, &landing::Survey::basins> {};
-template <>
-struct Serializer<landing::BodySurvey>
-    : WithBase<landing::BodySurvey, landing::MappedPeaks, &landing::BodySurvey::scene, &landing::BodySurvey::minima,
-               &landing::BodySurvey::basins> {};
-using identify::Estimates, identify::Fit, tools::Calibration;
-template <>
-struct Serializer<Fit> : WithBase<Fit, Estimates, &Fit::sea, &Fit::rms, &Fit::identifiable, &Fit::far_above_noise,
-                                  &Fit::flawed_logs, &Fit::interrupted, &Fit::minima, &Fit::trials, &Fit::sensitivity> {
-};
-using tools::FloorFit;
-template <>
-struct Serializer<FloorFit>
-    : WithBase<FloorFit, Estimates, &FloorFit::logs_of, &FloorFit::tests, &FloorFit::channels, &FloorFit::noise,
-               &FloorFit::rms, &FloorFit::drops, &FloorFit::bands, &FloorFit::profiles, &FloorFit::steps> {};
-template <>
-struct Serializer<Calibration> : WithBase<Calibration, FloorFit, &Calibration::scene> {};
-template <>
-struct Serializer<tools::BodyCalibration>
-    : WithBase<tools::BodyCalibration, FloorFit, &tools::BodyCalibration::scene, &tools::BodyCalibration::laws,
-               &tools::BodyCalibration::best_law, &tools::BodyCalibration::scene_law> {};
-template <>
-struct Serializer<tools::RobotFit> : WithBase<tools::RobotFit, FloorFit, &tools::RobotFit::robot> {};
+/// The base, then the struct's own fields; a missing field is a compile error.
+template <class Base, class T, class... Fields>
+void serialize_with_base(auto& a, T& x, Fields&... fields) {
+  static_assert(field_count<T>() == 1 + sizeof...(Fields), "a field of it is not named");
+  serialize(a, static_cast<Base&>(x));
+  (serialize(a, fields), ...);
+}
+/// All fields; the run time is not compared.
+void serialize_but_time(auto& a, auto& x, const double& time) {
+  for_each_field(x, [&](auto& field) {
+    if (!a.compares() || static_cast<const void*>(&time) != &field) serialize(a, field);
+  });
+}
+void serialize(auto& a, landing::Progress& x) { serialize_but_time(a, x, x.seconds); }
+void serialize(auto& a, landing::Optimum& x) { serialize_but_time(a, x, x.seconds); }
+void serialize(auto& a, landing::Answer& x) { serialize_but_time(a, x, x.evidence_seconds); }
+void serialize(auto& a, landing::BodyProgress& x) { serialize_but_time(a, x, x.seconds); }
+void serialize(auto& a, landing::BodyPlan& x) { serialize_but_time(a, x, x.seconds); }
+void serialize(auto& a, landing::MappedPeaks& x) { serialize_but_time(a, x, x.map_seconds); }
+void serialize(auto& a, landing::Landing& x) {
+  serialize_with_base<landing::RunEnd>(a, x, x.touches, x.peaks, x.trajectory, x.demands, x.energy_residual);
+}
+void serialize(auto& a, landing::BodyLanding& x) {
+  serialize_with_base<landing::RunEnd>(a, x, x.broken, x.loads, x.touches, x.peaks, x.demands, x.trajectory,
+                                       x.energy_residual, x.base, x.speed, x.theta);
+}
+void serialize(auto& a, landing::Risk& x) { serialize_with_base<landing::PeakRisk>(a, x, x.worst); }
+void serialize(auto& a, landing::BodyRisk& x) {
+  serialize_with_base<landing::PeakRisk>(a, x, x.scatter, x.assumed, x.worst);
+}
+void serialize(auto& a, landing::Survey& x) { serialize_with_base<landing::MappedPeaks>(a, x, x.scene, x.basins); }
+void serialize(auto& a, landing::BodySurvey& x) {
+  serialize_with_base<landing::MappedPeaks>(a, x, x.scene, x.minima, x.basins);
+}
+void serialize(auto& a, identify::Fit& x) {
+  serialize_with_base<identify::Estimates>(a, x, x.sea, x.rms, x.identifiable, x.far_above_noise, x.flawed_logs,
+                                           x.interrupted, x.minima, x.trials, x.sensitivity);
+}
+void serialize(auto& a, tools::FloorFit& x) {
+  serialize_with_base<identify::Estimates>(a, x, x.logs_of, x.tests, x.channels, x.noise, x.rms, x.drops, x.bands,
+                                           x.profiles, x.steps);
+}
+void serialize(auto& a, tools::Calibration& x) { serialize_with_base<tools::FloorFit>(a, x, x.scene); }
+void serialize(auto& a, tools::BodyCalibration& x) {
+  serialize_with_base<tools::FloorFit>(a, x, x.scene, x.laws, x.best_law, x.scene_law);
+}
+void serialize(auto& a, tools::RobotFit& x) { serialize_with_base<tools::FloorFit>(a, x, x.robot); }
 
 /// Which terms of a table are fitted; the table itself is constant.
-template <class T>
-struct Serializer<identify::Terms<T>> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    if constexpr (A::kReading) {
-      if constexpr (std::is_same_v<T, identify::RigTerm>)
-        x = identify::rig_choice();
-      else
-        x = tools::drop_choice();
-      serialize(a, static_cast<identify::Choice&>(x));
-    } else {
-      serialize(a, static_cast<const identify::Choice&>(x));
-    }
-  }
-};
+template <class A, class T>
+void serialize(A& a, identify::Terms<T>& x) {
+  if constexpr (A::kReading && std::is_same_v<T, identify::RigTerm>) x = identify::rig_choice();
+  if constexpr (A::kReading && !std::is_same_v<T, identify::RigTerm>) x = tools::drop_choice();
+  serialize(a, static_cast<identify::Choice&>(x));
+}
 /// A term: its Term fields; the others come from the table, by its name.
-template <>
-struct Serializer<identify::RigTerm> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    if constexpr (A::kReading) {
-      identify::Term plain;
-      serialize(a, plain);
-      for (const identify::RigTerm& t : identify::rig_terms())
-        if (t.name == plain.name) x = t;
-      static_cast<identify::Term&>(x) = std::move(plain);
-    } else {
-      serialize(a, static_cast<const identify::Term&>(x));
-    }
+template <class A>
+void serialize(A& a, identify::RigTerm& x) {
+  identify::Term plain = x;
+  serialize(a, plain);
+  if constexpr (A::kReading) {
+    for (const identify::RigTerm& t : identify::rig_terms())
+      if (t.name == plain.name) x = t;
+    static_cast<identify::Term&>(x) = std::move(plain);
   }
-};
+}
 /// String literals of the libraries; those that are read are kept for the life of the process.
-template <>
-struct Serializer<const char*> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    std::string text = x ? x : "";
-    serialize(a, text);
-    if constexpr (A::kReading) {
-      static std::set<std::string> literals;
-      x = literals.insert(text).first->c_str();
-    }
+template <class A>
+void serialize(A& a, const char*& x) {
+  std::string text = x ? x : "";
+  serialize(a, text);
+  if constexpr (A::kReading) {
+    static std::set<std::string> literals;
+    x = literals.insert(text).first->c_str();
   }
-};
-template <>
-struct Serializer<landing::MotionValues> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    landing::Coordinates values = x;
-    serialize(a, values);
-    if constexpr (A::kReading) x = values;
-  }
-};
+}
+void serialize(auto& a, landing::MotionValues& x) { serialize_as<landing::Coordinates>(a, x); }
 /// Compared by its accessors, as its bytes have padding.
-template <>
-struct Serializer<landing::ContactOrder> {
-  template <class A, class X>
-  static void apply(A& a, X& x) {
-    static_assert(std::is_trivially_copyable_v<landing::ContactOrder>);
-    if (!a.compares()) {
-      std::array<char, sizeof x> bytes;
-      if constexpr (!A::kReading) std::memcpy(bytes.data(), &x, sizeof x);
-      serialize(a, bytes);
-      if constexpr (A::kReading) std::memcpy(static_cast<void*>(&x), bytes.data(), sizeof x);
-      return;
-    }
-    if constexpr (!A::kReading) {
-      a.number(x.size()), a.number(x.first());
-      for (int i = 0; i < x.size(); ++i) a.number(x[i]);
-      for (int p = 0; p < x.kMaxPoints; ++p) a.number(x.touched(p));
-    }
+template <class A>
+void serialize(A& a, landing::ContactOrder& x) {
+  if (!a.compares()) return a.number(x);
+  if constexpr (!A::kReading) {
+    a.number(x.size()), a.number(x.first());
+    for (int i = 0; i < x.size(); ++i) a.number(x[i]);
+    for (int p = 0; p < x.kMaxPoints; ++p) a.number(x.touched(p));
   }
-};
+}
 /// The drops of a search under scatter are not serialised: a search draws them anew.
-template <>
-struct Serializer<std::shared_ptr<const landing::Robust>> {
-  template <class A, class X>
-  static void apply(A&, X&) {}
-};
+void serialize(auto&, std::shared_ptr<const landing::Robust>&) {}
 
 }  // namespace ukemi::python

@@ -6,8 +6,7 @@
 #include <variant>
 
 #include "landing/plan/design_numbers.hpp"
-#include "tools/python/floor_fit.hpp"
-#include "tools/python/landing.hpp"
+#include "tools/python/arguments.hpp"
 #include "tools/study/baselines.hpp"
 
 namespace ukemi::python {
@@ -16,7 +15,8 @@ using namespace landing;
 
 namespace {
 
-using tools::DrivenRobot, tools::RobotFit, tools::RobotFitOptions, tools::RobotLogOptions, tools::RobotTrial;
+using tools::DrivenRobot, tools::DropResult, tools::RobotFit, tools::RobotFitOptions, tools::RobotLogOptions,
+    tools::RobotTrial;
 
 /// A fit or a prediction with its trials.
 struct RobotIdentified {
@@ -44,26 +44,22 @@ RobotLogOptions log_options(const std::string& columns, const Pieces& pieces, bo
 }
 
 void bind_robot(py::module_& m) {
-  py::class_<DrivenRobot> c(m, "DrivenRobot", "A robot that logs drive, and what their commands pass through.");
+  Value<DrivenRobot> c(m, "DrivenRobot", "A robot that logs drive, and what their commands pass through.");
   c.def(
       "number", [](const DrivenRobot& r, const std::string& name) { return tools::number_of(r, name); },
       py::arg("name"), "A constant by its way in the files, as \"drive.hip.i_motor\" or \"command.delay\".");
   property(c, "scene", "The robot, as `simulate` takes it.", [](auto& r) { return r.scene; });
-  c.def("__repr__", [](const DrivenRobot& r) {
-    return fmt::format("<ukemi.DrivenRobot {} of {} links>", r.scene.name, r.scene.robot.links.size());
-  });
-  bind_value(c);
+  c.repr([](auto& r) { return fmt::format(" {} of {} links", r.scene.name, r.scene.robot.links.size()); });
   bind_reader(m, "read_driven_robot", "Reads a robot, or a scene that has one, with its [command].",
               [](const Path& path) { return tools::read_driven_robot(path); });
 }
 
 void bind_trials_of(py::module_& m) {
-  py::class_<RobotTrial> c(m, "RobotTrial", "What was measured of a driven robot, and the commands of its log.");
+  Value<RobotTrial> c(m, "RobotTrial", "What was measured of a driven robot, and the commands of its log.");
   property(c, "name", "Its file, and what part of it.", [](auto& t) { return t.log.file; });
   c.def_readonly("origin", &RobotTrial::origin, "What the log's clock read at its first row [s].");
   column_property(
       c, "t", "Times from its first row [s].", [](auto& t) -> auto& { return t.log.t; });
-  bind_value(c);
   m.def(
       "read_robot_trials",
       [](const Path& path, const DrivenRobot& robot, const std::string& columns, const Pieces& pieces, bool multi_turn,
@@ -84,18 +80,19 @@ py::dict by_output(const RobotIdentified& r, const std::vector<std::vector<doubl
     if (!values[o].empty()) out[r.fit.channels[o].name.c_str()] = py::array_t<double>(py::cast(values[o]));
   return out;
 }
-py::dict outputs_of(const RobotIdentified& r, std::size_t trial) {
+const DropResult& result_of(const RobotIdentified& r, std::size_t trial) {
   if (trial >= r.trials.size()) throw py::index_error("no such trial");
-  return by_output(r, r.fit.drops[trial].value);
+  return r.fit.drops[trial];
 }
+py::dict outputs_of(const RobotIdentified& r, std::size_t trial) { return by_output(r, result_of(r, trial).value); }
 py::dict bands_of(const RobotIdentified& r, std::size_t trial) {
-  if (trial >= r.trials.size()) throw py::index_error("no such trial");
+  (void)result_of(r, trial);
   return r.fit.bands.empty() ? py::dict() : by_output(r, r.fit.bands[trial].band);
 }
 
 void bind_result(py::module_& m) {
-  py::class_<RobotIdentified> c(m, "RobotIdentification",
-                                "Constants of a robot of links fitted to trials, or trials predicted with them.");
+  Value<RobotIdentified> c(m, "RobotIdentification",
+                           "Constants of a robot of links fitted to trials, or trials predicted with them.");
   bind_estimates(
       c, [](auto& r) -> auto& { return r.fit; });
   bind_profiles(c, [](auto& r) { return r.fit.profiles; });
@@ -122,19 +119,14 @@ void bind_result(py::module_& m) {
       .def(
           "contacts",
           [](const RobotIdentified& r, std::size_t trial) {
-            if (trial >= r.trials.size()) throw py::index_error("no such trial");
             std::vector<std::tuple<double, std::string, bool>> out;
-            for (const ContactChange& change : r.fit.drops[trial].changes)
+            for (const ContactChange& change : result_of(r, trial).changes)
               out.emplace_back(change.t, r.fit.robot.scene.robot.contacts[std::size_t(change.contact)].name,
                                change.touches);
             return out;
           },
-          py::arg("trial"), "(t from the trial's first row [s], contact, whether it touches or leaves), in order.")
-      .def("__repr__", [](const RobotIdentified& r) {
-        return fmt::format("<ukemi.RobotIdentification of {} trials{}>", r.trials.size(),
-                           r.fit.trusted() ? ", trusted" : "");
-      });
-  bind_value(c);
+          py::arg("trial"), "(t from the trial's first row [s], contact, whether it touches or leaves), in order.");
+  c.repr([](auto& r) { return fmt::format(" of {} trials{}", r.trials.size(), r.fit.trusted() ? ", trusted" : ""); });
 }
 
 /// Python function f(t, phi, dphi) -> torques, or None.
@@ -167,62 +159,57 @@ std::string term_name(const identify::Terms<tools::DropTerm>& terms, const std::
     if (t.is_called(given)) return t.name;
   return given;
 }
-template <class Map>
-Map term_names(const identify::Terms<tools::DropTerm>& terms, const Map& given) {
-  Map out;
-  for (const auto& [name, value] : given) out[term_name(terms, name)] = value;
-  return out;
-}
 std::vector<std::string> term_names(const identify::Terms<tools::DropTerm>& terms, std::vector<std::string> given) {
   for (std::string& name : given) name = term_name(terms, name);
   return given;
 }
+template <class Value>
+void name_terms(const identify::Terms<tools::DropTerm>& terms, std::map<std::string, Value>& given) {
+  std::map<std::string, Value> out;
+  for (const auto& [name, value] : given) out[term_name(terms, name)] = value;
+  given = std::move(out);
+}
 
-RobotIdentified identified(const DrivenRobot& robot, const std::vector<RobotTrial>& given,
-                           const std::optional<std::vector<std::string>>& free, const Priors& priors,
-                           const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-                           const PyController& controller, const std::vector<std::string>& profile = {},
-                           const Bounds& errors = {}, const std::vector<std::string>& per_run = {}) {
+struct RobotArguments : Arguments {
+  PyController controller = {};
+  std::vector<std::string> per_run = {};
+};
+const Argument kController{"controller", &RobotArguments::controller};
+
+/// A fit, or without free names a prediction.
+RobotIdentified identified(RobotArguments a, const DrivenRobot& robot, const std::vector<RobotTrial>& given) {
   if (given.empty()) throw InputError("trials: at least one is needed");
-  std::vector<RobotTrial> trials = controlled(given, controller);
+  std::vector<RobotTrial> trials = controlled(given, a.controller);
   std::vector<std::string> warnings = tools::force_doubts(robot, trials);
   for (std::string& note : tools::remove_flat_columns(robot.scene.robot, trials)) warnings.push_back(std::move(note));
-  RobotFitOptions o;
-  o.terms = tools::robot_terms(robot, trials);
-  o.threads = threads, o.seed = seed, o.restarts = starts, o.profiles = term_names(o.terms, profile);
-  const Bounds stated = term_names(o.terms, errors);
-  o.errors.assign(stated.begin(), stated.end());
-  const std::vector<std::string> starts_of_trials = o.terms.nuisance;
-  const std::vector<std::string> per_log = term_names(o.terms, per_run);
-  if (free)
-    o.terms = chosen_terms(o.terms, term_names(o.terms, *free), starts_of_trials, term_names(o.terms, priors),
-                           term_names(o.terms, lower), term_names(o.terms, upper));
-  tools::fit_per_run(per_log, trials, o);
-  return long_call([&](const std::function<bool()>& stop) {
-    o.monitor.stop = stop;
-    RobotIdentified out{free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o), trials};
-    out.fit.warnings.insert(out.fit.warnings.begin(), warnings.begin(), warnings.end());
-    return out;
-  });
+  const auto terms = tools::robot_terms(robot, trials);
+  if (a.free) a.free = term_names(terms, *a.free);
+  name_terms(terms, a.priors), name_terms(terms, a.lower), name_terms(terms, a.upper), name_terms(terms, a.errors);
+  a.profile = term_names(terms, a.profile), a.nuisance = terms.nuisance;
+  RobotFitOptions o = fit_options(RobotFitOptions(), terms, a);
+  o.threads = a.threads, o.restarts = a.starts;
+  tools::fit_per_run(term_names(terms, a.per_run), trials, o);
+  RobotIdentified out{
+      monitored([&] { return a.free ? tools::fit_robot(robot, trials, o) : tools::predict_robot(robot, trials, o); },
+                o.monitor),
+      trials};
+  out.fit.warnings.insert(out.fit.warnings.begin(), warnings.begin(), warnings.end());
+  return out;
 }
 
 }  // namespace
 
 void bind_robot_trials(py::module_& m) {
   bind_robot(m), bind_trials_of(m), bind_result(m);
-  m.def(
-      "identify_robot",
-      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, const std::vector<std::string>& free,
-         const Priors& priors, const Bounds& lower, const Bounds& upper, int starts, std::uint64_t seed, int threads,
-         const PyController& controller, const std::vector<std::string>& profile, const Bounds& errors,
-         const std::vector<std::string>& per_run) {
-        return identified(robot, trials, free, priors, lower, upper, starts, seed, threads, controller, profile, errors,
-                          per_run);
+  define(
+      m, "identify_robot",
+      [](RobotArguments a, const DrivenRobot& robot, const std::vector<RobotTrial>& trials,
+         const std::vector<std::string>& free) {
+        a.free = free;
+        return identified(std::move(a), robot, trials);
       },
-      py::arg("robot"), py::arg("trials"), py::arg("free"), py::arg("priors") = Priors{}, py::arg("lower") = Bounds{},
-      py::arg("upper") = Bounds{}, py::arg("starts") = 0, py::arg("seed") = 1, py::arg("threads") = 0,
-      py::arg("controller") = py::none(), py::arg("profile") = std::vector<std::string>{}, py::arg("errors") = Bounds{},
-      py::arg("per_run") = std::vector<std::string>{},
+      py::arg("robot"), py::arg("trials"), py::arg("free"), kPriors, kLower, kUpper, kStarts, kSeed, kThreads,
+      kController, kProfile, kErrors, Argument{"per_run", &RobotArguments::per_run},
       "Fits constants of a robot of links to trials, as `ukemi identify --robot`, with how each trial starts. free: "
       "names as \"drive.hip.friction\"; starts: further ones, drawn; profile: constants whose likelihood profile is "
       "made; errors: standard deviations of constants that are not fitted, which count in all errors and verdicts; "
@@ -231,12 +218,8 @@ void bind_robot_trials(py::module_& m) {
       "has their mean. controller: f(t, phi, dphi) -> torques, asked at each row of a log for what it adds to the "
       "torque of each joint [Nm], from the log's clock [s], the angles [rad] and rates [rad/s] of all joints of the "
       "file; it acts as a row's command does.");
-  m.def(
-      "predict_robot",
-      [](const DrivenRobot& robot, const std::vector<RobotTrial>& trials, int threads, const PyController& controller) {
-        return identified(robot, trials, std::nullopt, {}, {}, {}, 0, 1, threads, controller);
-      },
-      py::arg("robot"), py::arg("trials"), py::arg("threads") = 0, py::arg("controller") = py::none(),
+  define(
+      m, "predict_robot", &identified, py::arg("robot"), py::arg("trials"), kThreads, kController,
       "The trials for the robot's constants, as `ukemi predict --robot`; only how each starts is fitted. controller: "
       "as of identify_robot.");
 }

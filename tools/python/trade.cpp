@@ -5,8 +5,7 @@
 
 #include "common/error.hpp"
 #include "landing/plan/design_numbers.hpp"
-#include "tools/python/body.hpp"
-#include "tools/python/search.hpp"
+#include "tools/python/arguments.hpp"
 #include "tools/report/trade.hpp"
 
 namespace ukemi::python {
@@ -52,6 +51,11 @@ std::vector<TradeAxis> axes_of(const py::dict& vary) {
   return out;
 }
 
+struct TradeArguments : Arguments {
+  std::optional<std::pair<std::string, std::string>> front = {};
+  std::size_t designs = 9;
+};
+
 /// A trade over `axes`, or the front of two loads.
 TradeResult traded(const BodyScene& scene, const std::vector<TradeAxis>& axes,
                    const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs, bool ratings,
@@ -59,27 +63,24 @@ TradeResult traded(const BodyScene& scene, const std::vector<TradeAxis>& axes,
   check_axes(scene, axes, ratings);
   TradeOptions options{.search = search};
   if (ratings) options.prepare = [](BodyScene& s) { (void)respect_ratings(s); };
-  return long_call([&](const std::function<bool()>& stop) {
-    options.monitor.stop = stop;
+  const auto find = [&] {
     if (!front) return TradeResult{.scene = scene, .trade = trade(scene, axes, options), .search = search};
     Front f = pareto(scene, front->first, front->second, designs, options);
     return TradeResult{
         .scene = std::move(f.scene), .trade = std::move(f.trade), .search = search, .of = TradeResult::Of::kFront};
-  });
+  };
+  return monitored(find, options.monitor);
 }
 
 void bind_body_ratings(py::module_& m) {
-  m.def(
-      "ratings",
-      [](const BodyScene& scene, const Numbers& speeds, const std::optional<Numbers>& torques,
-         std::optional<long> evaluations, std::uint64_t seed, int threads) {
+  define(
+      m, "ratings",
+      [](const Arguments& a, const BodyScene& scene, const Numbers& speeds, const std::optional<Numbers>& torques) {
         std::vector<TradeAxis> axes = {{"drive.*.speed_max", column("motor_speeds", speeds)}};
         if (torques) axes.push_back({"drive.*.motor_torque_max", column("motor_torques", *torques)});
-        return traded(scene, axes, {}, 0, true,
-                      plan_options(scene, seed, "peak", evaluations, {}, {}, 1, BodyPlanOptions().samples, threads));
+        return traded(scene, axes, {}, 0, true, plan_options(scene, a));
       },
-      py::arg("scene"), py::arg("motor_speeds"), py::arg("motor_torques") = py::none(),
-      py::arg("evaluations") = py::none(), py::arg("seed") = 1, py::arg("threads") = 0,
+      py::arg("scene"), py::arg("motor_speeds"), py::arg("motor_torques") = py::none(), kEvaluations, kSeed, kThreads,
       "The same of a robot of links, a trade of what all its drives are rated: motor_speeds [rad/s], motor_torques "
       "[Nm], two of each at least; None: what each drive's own motor_torque_max says.");
 }
@@ -87,36 +88,27 @@ void bind_body_ratings(py::module_& m) {
 }  // namespace
 
 void bind_trade(py::module_& m) {
-  py::class_<TradeResult> c(m, "RobotTrade", "The best landings of a robot of links for values of its design.");
+  Value<TradeResult> c(m, "RobotTrade", "The best landings of a robot of links for values of its design.");
   property(c, "points",
            "A dict for each design: at (its values by name), held, unchanged (the middle's motion), planned, peak, "
            "motions by joint; None where there is nothing.",
            designs_of);
   property(c, "middle", "Index of the middle design.", [](auto& r) { return r.trade.middle; });
-  c.def("__repr__", [](const TradeResult& r) {
-    return fmt::format("<ukemi.RobotTrade: {} designs, {} plans>", r.trade.points.size(), r.trade.plans);
-  });
-  bind_value(c);
+  c.repr([](auto& r) { return fmt::format(": {} designs, {} plans", r.trade.points.size(), r.trade.plans); });
   bind_report(
       c, tools::kTradeOutputs, [](auto& r) { return r.search.seed; },
       [](auto& r, tools::Run& run) { return report(r, run); });
-  m.def(
-      "trade",
-      [](const BodyScene& scene, const py::dict& vary, std::uint64_t seed, const std::string& objective,
-         std::optional<long> evaluations, const std::optional<std::string>& robust,
-         const std::optional<std::string>& scatter, double inflate, long samples, int threads,
-         const std::vector<std::string>& forbidden, bool ratings,
-         const std::optional<std::pair<std::string, std::string>>& front, std::size_t designs) {
-        if (front.has_value() == !vary.empty()) throw InputError("vary or pareto is needed, and not both");
-        const BodyScene limited = with_limits(scene, forbidden, false);
-        return traded(limited, axes_of(vary), front, designs, ratings,
-                      plan_options(limited, seed, objective, evaluations, robust, scatter, inflate, samples, threads));
+  define(
+      m, "trade",
+      [](const TradeArguments& a, const BodyScene& scene, const py::dict& vary) {
+        if (a.front.has_value() == !vary.empty()) throw InputError("vary or pareto is needed, and not both");
+        BodyScene limited = scene;
+        forbid(limited, a.forbid);
+        return traded(limited, axes_of(vary), a.front, a.designs, a.respect_ratings, plan_options(limited, a));
       },
-      py::arg("scene"), py::arg("vary") = py::dict(), py::arg("seed") = 1, py::arg("objective") = "peak",
-      py::arg("evaluations") = py::none(), py::arg("robust") = py::none(), py::arg("scatter") = py::none(),
-      py::arg("inflate") = 1.0, py::arg("samples") = BodyPlanOptions().samples, py::arg("threads") = 0,
-      py::arg("forbid") = std::vector<std::string>{}, py::arg("respect_ratings") = false,
-      py::arg("pareto") = py::none(), py::arg("designs") = 9,
+      py::arg("scene"), py::arg("vary") = py::dict(), kSeed, kObjective, kEvaluations, kRobust, kScatter, kInflate,
+      kSamples, kThreads, kForbid, kRespectRatings, Argument{"pareto", &TradeArguments::front},
+      Argument{"designs", &TradeArguments::designs},
       "What numbers of a robot's design buy: vary is a dict of one or two names, as \"drive.knee.k_sea\", each with "
       "the values that rise, in the units of the files. Or what one load costs in another: pareto is a pair of names "
       "of loads, or \"peak\"; the first is made small for so many values (designs) that the second may have.");

@@ -8,8 +8,7 @@
 #include "identify/logs/drive_command.hpp"
 #include "identify/logs/hits.hpp"
 #include "tools/program/trials.hpp"
-#include "tools/python/trials.hpp"
-#include "tools/python/value.hpp"
+#include "tools/python/arguments.hpp"
 
 namespace ukemi::python {
 
@@ -61,8 +60,8 @@ double error_of(const py::handle& name, const py::handle& value) {
 }
 
 void bind_rig_errors(py::module_& m) {
-  py::class_<RigErrors> bound(m, "RigErrors",
-                              "Standard deviations of what a rig states: terms that are not fitted count with them.");
+  Value<RigErrors> bound(m, "RigErrors",
+                         "Standard deviations of what a rig states: terms that are not fitted count with them.");
   bound
       .def(py::init([](const py::kwargs& given) {
              RigErrors out;
@@ -76,39 +75,36 @@ void bind_rig_errors(py::module_& m) {
     bound.def_readonly(
         k.key, k.at,
         k.unit == RigErrorKey::Unit::kPart ? "Standard deviation [part of the value]." : "Standard deviation [s].");
-  bind_value(bound);
 }
 
 void bind_rig(py::module_& m) {
-  py::class_<Rig> c(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.");
-  c.def(py::init([](double length, double inertia, std::optional<double> tau_max, std::optional<double> gear_ratio,
-                    std::optional<Feedback> feedback, std::optional<double> speed_max,
-                    std::optional<double> motor_torque_max, const RigErrors& errors) {
-          return Rig{.length = checked("length", length, Range::positive()),
-                     .inertia = checked("inertia", inertia, Range::positive()),
-                     .tau_max = checked("tau_max", tau_max, Range::non_negative()),
-                     .gear_ratio = checked("gear_ratio", gear_ratio, Range::positive()),
-                     .feedback = feedback,
-                     .speed_max = checked("speed_max", speed_max, Range::positive()),
-                     .motor_torque_max = checked("motor_torque_max", motor_torque_max, Range::positive()),
-                     .errors = errors};
-        }),
-        "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max [Nm] "
-        "of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. Without "
-        "feedback identify fits both sides.",
-        py::arg("length"), py::arg("inertia"), py::arg("tau_max") = py::none(), py::arg("gear_ratio") = py::none(),
-        py::arg("feedback") = py::none(), py::arg("speed_max") = py::none(), py::arg("motor_torque_max") = py::none(),
-        py::arg_v("errors", RigErrors{}, "RigErrors()"))
-      .def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
+  Value<Rig> c(m, "Rig", "The rig of the impact tests: one link on a fixed base, in the horizontal plane.");
+  define_constructor(
+      c,
+      [](Rig r, double length, double inertia) {
+        r.length = checked("length", length, Range::positive());
+        r.inertia = checked("inertia", inertia, Range::positive());
+        checked("tau_max", r.tau_max, Range::non_negative()), checked("gear_ratio", r.gear_ratio, Range::positive());
+        checked("speed_max", r.speed_max, Range::positive());
+        checked("motor_torque_max", r.motor_torque_max, Range::positive());
+        return r;
+      },
+      "length [m] from the joint to where the force acts, inertia of the link about the joint [kg m^2], tau_max [Nm] "
+      "of the spring; speed_max [rad/s] and motor_torque_max [Nm], the motor's ratings; errors of all this. Without "
+      "feedback identify fits both sides.",
+      py::arg("length"), py::arg("inertia"), Argument{"tau_max", &Rig::tau_max},
+      Argument{"gear_ratio", &Rig::gear_ratio}, Argument{"feedback", &Rig::feedback},
+      Argument{"speed_max", &Rig::speed_max}, Argument{"motor_torque_max", &Rig::motor_torque_max},
+      Argument{"errors", &Rig::errors, "RigErrors()"});
+  c.def_readonly("length", &Rig::length, "From the joint to where the force acts [m].")
       .def_readonly("inertia", &Rig::inertia, "Of the link about the joint [kg m^2].")
       .def_readonly("errors", &Rig::errors, "Of what it states.")
       .def_readonly("tau_max", &Rig::tau_max, "Limit of the spring's torque [Nm], or None.");
-  bind_value(c);
   bind_reader(m, "read_rig", "Reads a rig file (TOML).", [](const Path& path) { return read_rig(path); });
 }
 
 void bind_trial(py::module_& m) {
-  py::class_<Trial> c(m, "Trial", "One logged trial.");
+  Value<Trial> c(m, "Trial", "One logged trial.");
   c.def(py::init(&trial_of),
         "Times t [s], kept from the first on (t_origin); measured angles phi and phi_motor [rad], force at the link's "
         "tip [N], reference phi_ref [rad] and dphi_ref [rad/s], measured torque of the spring [Nm], command [V, A or "
@@ -128,7 +124,6 @@ void bind_trial(py::module_& m) {
   c.def_readonly("t_origin", &Trial::t_origin, "What the log's clock read at t = 0, its first row [s].")
       .def_readonly("name", &Trial::file, "Its file, or the name that it was given.")
       .def_readonly("notes", &Trial::notes, "What was handled while reading, a sentence each.");
-  bind_value(c);
   m.def(
       "read_trial",
       [](const Path& path, const std::string& columns, const std::string& module, std::optional<double> gear_ratio) {

@@ -1,5 +1,7 @@
-// Traits that classes of the Python module share: values, a file, a figure, a report.
+// What classes of the Python module share: values, a file, a figure, a report.
 #pragma once
+
+#include <fmt/format.h>
 
 #include "common/files.hpp"
 #include "tools/program/output.hpp"
@@ -8,25 +10,40 @@
 
 namespace ukemi::python {
 
-/// Binds ==, hash, copy, deepcopy and pickle by the fields. Such objects are immutable in Python.
-template <class T, class... Options>
-void bind_value(py::class_<T, Options...>& c) {
-  const auto compared = [](const T& x) { return bytes_of(x, Writer::Purpose::kCompare); };
-  c.def(
-       "__eq__", [compared](const T& a, const T& b) { return &a == &b || compared(a) == compared(b); },
-       py::is_operator())
-      .def("__hash__", [compared](const T& x) { return py::hash(py::bytes(compared(x))); })
-      .def("__copy__", [](const T& x) { return T(x); })
-      .def(
-          "__deepcopy__", [](const T& x, const py::dict&) { return T(x); }, py::arg("memo"))
-      .def(py::pickle(
-          [](const T& x) { return py::make_tuple(UKEMI_VERSION, py::bytes(bytes_of(x, Writer::Purpose::kPickle))); },
-          [](const py::tuple& state) {
-            if (state.size() != 2 || py::str(state[0]).cast<std::string>() != UKEMI_VERSION)
-              throw InputError("pickle: it is of another version than " UKEMI_VERSION);
-            return value_of_bytes<T>(state[1].cast<std::string>());
-          }));
-}
+/// A class of values: immutable in Python; ==, hash, copy, deepcopy and pickle go by the fields.
+template <class T, class... Base>
+struct Value : py::class_<T, Base...> {
+  const char* const name;  ///< as in Python
+  Value(py::module_& m, const char* its_name, const char* words)
+      : py::class_<T, Base...>(m, its_name, words), name(its_name) {
+    const auto compared = [](const T& x) { return bytes_of(x, Writer::Purpose::kCompare); };
+    this->def(
+            "__eq__", [compared](const T& a, const T& b) { return &a == &b || compared(a) == compared(b); },
+            py::is_operator())
+        .def("__hash__", [compared](const T& x) { return py::hash(py::bytes(compared(x))); })
+        .def("__copy__", [](const T& x) { return T(x); })
+        .def(
+            "__deepcopy__", [](const T& x, const py::dict&) { return T(x); }, py::arg("memo"))
+        .def(py::pickle(
+            [](const T& x) { return py::make_tuple(UKEMI_VERSION, py::bytes(bytes_of(x, Writer::Purpose::kPickle))); },
+            [](const py::tuple& state) {
+              if (state.size() != 2 || py::str(state[0]).cast<std::string>() != UKEMI_VERSION)
+                throw InputError("pickle: it is of another version than " UKEMI_VERSION);
+              return value_of_bytes<T>(state[1].cast<std::string>());
+            }));
+  }
+  /// Binds repr: what text(x) says after the class's name.
+  template <class Text>
+  void repr(Text text) {
+    this->def("__repr__", [text, name = name](const T& x) { return fmt::format("<ukemi.{}{}>", name, text(x)); });
+  }
+};
+/// A result and the seed of its search.
+template <class T>
+struct Seeded {
+  T result;
+  std::uint64_t seed = 1;
+};
 
 /// Binds toml() and save(path); `what`: "a scene file".
 template <class T, class Text, class... Options>
@@ -77,6 +94,12 @@ void bind_report(py::class_<T, Options...>& c, const tools::Outputs& outputs, Se
         return written(result, outputs, folder, figures, std::invoke(seed, result), report);
       },
       py::arg("folder"), py::arg("figures") = std::vector<std::string>{}, report_words(outputs.verb).c_str());
+}
+
+/// The same of a result with its seed, of which report(result, run) is the report.
+template <class T, class... Options>
+void bind_report(py::class_<Seeded<T>, Options...>& c, const tools::Outputs& outputs) {
+  bind_report(c, outputs, &Seeded<T>::seed, [](auto& x, tools::Run& run) { return report(x.result, run); });
 }
 
 }  // namespace ukemi::python
