@@ -25,6 +25,7 @@ class BodyObjective : public Objective {
   }
   int landings_per_motion(Goal of) const override { return int(goal_of(of).drops.size()); }
   void set_accuracy(double accuracy) override { Objective::set_accuracy(accuracy), lowest_ = kNoMotion; }
+  bool several_contacts() const override { return scene_.robot.contacts.size() > 1; }
   double tight_accuracy() const override { return kLowOrder; }
   /// Over the judging drops, by `judged`.
   double verified(const Candidate& p, double accuracy, double bound) override;

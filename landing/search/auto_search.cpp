@@ -41,9 +41,12 @@ const Descent& descent_of(const Fidelity& fidelity) { return fidelity.goal == Go
 
 GoalProfile profile_of(const Objective& objective, double budget) {
   constexpr double kLarge = 2.5e5;  // landings; with fewer a stage by the peak costs too much and misses basins
+  constexpr long kOfContacts = 4;   // factor of scouts where basins of several first contacts lie far apart
   const Fidelity peak = Goal::kPeak;
-  if (objective.goal() == Goal::kPeak) return {peak};
-  if (objective.goal() == Goal::kTolerant) return {Goal::kTolerant, {{{peak, 0.5}}}};
+  const long factor = objective.several_contacts() ? kOfContacts : 1;
+  if (objective.goal() == Goal::kPeak) return {.goal = peak, .scout_factor = factor};
+  if (objective.goal() == Goal::kTolerant)
+    return {.goal = Goal::kTolerant, .low_fidelity = {{{peak, 0.5}}}, .scout_factor = factor};
   const std::size_t drops = objective.measure()->kind == Measure::Kind::kMean ? 4 : 8;  // of a tail
   const GoalProfile::Stage few_drops{{Goal::kRobust, drops}, budget < kLarge ? 0.75 : 0.6};
   if (budget < kLarge) return {Goal::kRobust, {{few_drops}}, 0.2, true, 5};

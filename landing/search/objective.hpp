@@ -83,6 +83,9 @@ class Objective {
   /// nothing was.
   virtual double verified(const Candidate& p, double accuracy, double bound) = 0;
 
+  /// Whether basins are kept apart by the contact that touches first, see Candidate::first_contact.
+  virtual bool several_contacts() const { return false; }
+
   /// Under scatter: the measure of the peaks; else null.
   virtual const Measure* measure() const { return nullptr; }
   /// Under scatter: whether the best few are evaluated over other drops, and their values over those.

@@ -5,6 +5,7 @@
 #include "common/degrees.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
+#include "landing/search/tolerant_peak.hpp"
 #include "landing/search/solvers.hpp"
 
 using namespace ukemi;
