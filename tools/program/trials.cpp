@@ -115,6 +115,52 @@ std::vector<identify::Trial> with_force_curve(const std::vector<identify::Trial>
   return identify::with_nearer_force(rig, trials, sea, {.escape = escape_of(a)});
 }
 
+namespace {
+
+/// Attaches the force logs; what was attached, as JSON.
+Json attach_forces(std::vector<identify::Trial>& trials, const TrialArguments& a, const identify::Rig& rig, Run& run) {
+  Json out = Json::array();
+  for (std::size_t m = 0; m < trials.size() && !a.force_logs.empty(); ++m) {
+    identify::Trial& trial = trials[m];
+    const std::string& path = a.force_logs[a.force_logs.size() > 1 ? m : 0];
+    run.input(path);
+    const bool own = a.force_clock == identify::ForceClock::kOwn;
+    const double shift =
+        identify::attach_force(trial, identify::read_force_log(path, a.force_columns), rig, a.force_clock);
+    out.push_back({{"trial", trial.file}, {"file", path}, {"clock", own ? "own" : "shared"}, {"shift", number(shift)}});
+  }
+  return out;
+}
+
+/// What is said of trials that were read: last, so that a refused input prints its error alone.
+void say_of_trials(const std::vector<identify::Trial>& trials, const Json& forces, double largest_noise,
+                   const TrialArguments& a, Run& run) {
+  if (largest_noise > 0)
+    run.say(
+        fmt::format("force noise {:.3g} N{}: between hits the force is at rest, within them its noise weighs the "
+                    "residuals",
+                    largest_noise, a.force_noise ? "" : " at most, estimated before each first hit"));
+  for (const identify::Trial& t : trials)
+    if (t.force_rest != 0)
+      run.warn(fmt::format("{}: the load cell reads {:.3g} N at rest: tare it, or --nuisance force_bias", t.file,
+                           t.force_rest));
+  for (const identify::Trial& t : trials)
+    for (const std::string& note : t.notes) run.warn(t.file + ": " + note);
+  for (const Json& f : forces)
+    if (f["clock"] == "own")
+      run.say(fmt::format("{}: moved by {:.6g} s onto the clock of {}", f["file"].get<std::string>(),
+                          f["shift"].get<double>(), f["trial"].get<std::string>()));
+  for (std::size_t i = 0; i < trials.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (identify::same_content(trials[j], trials[i])) {
+        run.warn(fmt::format("trials {} ({}) and {} ({}) have the same content: they count twice", j + 1,
+                             trials[j].file, i + 1, trials[i].file));
+        break;
+      }
+}
+
+}  // namespace
+
 TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArguments& a, const identify::Rig& rig,
                         const TrialNeeds& needs, Run& run) {
   if (paths.empty()) throw InputError("no trials: at least one trial file is needed");
@@ -129,7 +175,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
                                    .angles = a.angles,
                                    .gear_ratio = rig.gear_ratio.value_or(1)};
   TrialInputs out;
-  Json modules = Json::array(), forces = Json::array();
+  Json modules = Json::array();
   for (const std::string& path : paths) {
     run.input(path);
     out.trials.push_back(read_trial_file(path, a, csv, rig, modules));
@@ -142,16 +188,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   for (identify::Trial& t : out.trials) t.command = identify::drive_command(t, t.rig_or(rig).drive);
   if (!a.module.empty() && modules.empty())
     throw InputError("--module: " + quoted(a.module) + ": no trial is a HEBI log");
-  for (std::size_t m = 0; m < out.trials.size() && !a.force_logs.empty(); ++m) {
-    identify::Trial& trial = out.trials[m];
-    const std::string& path = a.force_logs[a.force_logs.size() > 1 ? m : 0];
-    run.input(path);
-    const bool own = a.force_clock == identify::ForceClock::kOwn;
-    const double shift =
-        identify::attach_force(trial, identify::read_force_log(path, a.force_columns), rig, a.force_clock);
-    forces.push_back(
-        {{"trial", trial.file}, {"file", path}, {"clock", own ? "own" : "shared"}, {"shift", number(shift)}});
-  }
+  const Json forces = attach_forces(out.trials, a, rig, run);
   if (a.force_noise && !(*a.force_noise >= 0 && std::isfinite(*a.force_noise)))
     throw InputError(fmt::format("--force-noise: {}: at least 0 N is needed", *a.force_noise));
   Json noises = Json::array();
@@ -167,29 +204,7 @@ TrialInputs read_trials(const std::vector<std::string>& paths, const TrialArgume
   if (!modules.empty()) out.summary["modules"] = modules;
   if (!forces.empty()) out.summary["force_logs"] = forces;
 
-  // Warnings last, so that a refused input prints its error alone.
-  if (largest_noise > 0)
-    run.say(
-        fmt::format("force noise {:.3g} N{}: between hits the force is at rest, within them its noise weighs the "
-                    "residuals",
-                    largest_noise, a.force_noise ? "" : " at most, estimated before each first hit"));
-  for (const identify::Trial& t : out.trials)
-    if (t.force_rest != 0)
-      run.warn(fmt::format("{}: the load cell reads {:.3g} N at rest: tare it, or --nuisance force_bias", t.file,
-                           t.force_rest));
-  for (const identify::Trial& t : out.trials)
-    for (const std::string& note : t.notes) run.warn(t.file + ": " + note);
-  for (const Json& f : forces)
-    if (f["clock"] == "own")
-      run.say(fmt::format("{}: moved by {:.6g} s onto the clock of {}", f["file"].get<std::string>(),
-                          f["shift"].get<double>(), f["trial"].get<std::string>()));
-  for (std::size_t i = 0; i < out.trials.size(); ++i)
-    for (std::size_t j = 0; j < i; ++j)
-      if (identify::same_content(out.trials[j], out.trials[i])) {
-        run.warn(fmt::format("trials {} ({}) and {} ({}) have the same content: they count twice", j + 1,
-                             out.trials[j].file, i + 1, out.trials[i].file));
-        break;
-      }
+  say_of_trials(out.trials, forces, largest_noise, a, run);
   return out;
 }
 

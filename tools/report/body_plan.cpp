@@ -191,63 +191,79 @@ std::optional<double> kept_share(const BodyPlan& plan) {
 }
 std::string unit_of(const BodyScene& scene) { return goal_unit(rated(scene)); }
 
-int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
-           const Exports& exports, Run& run, const PlanExtras& extras) {
+namespace {
+
+void write_files(const BodyScene& scene, const BodyPlan& plan, double rate, const Exports& exports, Run& run) {
+  const Robot& robot = scene.robot;
+  run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
+  run.add("motion.csv",
+          body_motion_csv(plan.motion, robot, rate, run.provenance_text(), expected_start(scene, plan.landing)));
+  for (auto& [name, content] : exported(exports, scene, plan.motion, plan.landing, run)) run.add(name, content);
+  if (exports.has(Exports::Format::kPlotJuggler) && plan.landing.trajectory.empty())
+    run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
+  run.add("progress.csv", progress_csv(run, plan));
+}
+
+/// Files, report and terminal of a plan that was found; its summary.
+Json report_found(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
+                  const Exports& exports, Run& run, const PlanExtras& extras) {
   const Robot& robot = scene.robot;
   const std::string goal = goal_words(scene, options);
+  warn_of(landing_doubts(scene, plan.motion, plan.landing), run);
+  if (options.measure && !options.scatter && !scene.scatter) warn_of_assumed(assumed_scatter(scene.robot), run);
+  const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
+  Json summary = table.object();
+  summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
+  summary["contacts"] = Table(contact_quantities(words_of(robot)), plan.landing.touches).objects();
+  summary["joints"] = joints_json(scene, plan.motion, plan.landing);
+  if (!extras.logged.empty())
+    summary["logged"] = {{"peak_acceleration", extras.logged}, {"median", median(extras.logged)}};
+  const std::string contacts = contact_order(plan.landing.contacts, contact_name(robot));
+  const bool held = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
+  say(first_screen(scene, plan, options, extras.logged),
+      {(held ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),
+       contacts.empty() ? "no contact" : "contacts: " + contacts},
+      table.transposed(), run);
+  run.say(fmt::format("searched for {:.2f} s", plan.seconds));
+  write_files(scene, plan, rate, exports, run);
+  Report report("Best landing: " + scene.name);
+  const bool drawn = tools::drawn(options.deadline);
+  if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
+  if (!scene.loads.empty()) {
+    summary["loads"] = report_loads(scene, plan.landing, "", &report, run);
+    summary["hold"]["loads"] = report_loads(scene, plan.held, "", nullptr, run);
+  }
+  if (plan.under) {
+    summary["scatter"] = scatter_json(*plan.under);
+    report_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
+    if (!scene.loads.empty()) summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, report, run);
+  }
+  if (options.share) run.say(share_check(plan, options).words);
+  report.distrust(run.warnings());
+  report.answer(first_screen(scene, plan, options, extras.logged), run.warnings());
+  report.folded("All numbers", table.transposed());
+  if (drawn) {
+    report.heading("The search");
+    report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
+                Axes::kLogarithmic);
+  } else {
+    report.paragraph(kNotDrawn);
+  }
+  robot_tables(scene, report);
+  report.write(run);
+  return summary;
+}
+
+}  // namespace
+
+int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& options, double rate,
+           const Exports& exports, Run& run, const PlanExtras& extras) {
   if (!plan.message.empty()) run.warn(plan.message);
   if (plan.found && !plan.held_keeps_limits) run.warn("holding breaks the limits: it is no answer");
   warn_of_edges(plan.variables, plan.edges, run);
   Json summary;
   if (plan.found) {
-    warn_of(landing_doubts(scene, plan.motion, plan.landing), run);
-    if (options.measure && !options.scatter && !scene.scatter) warn_of_assumed(assumed_scatter(scene.robot), run);
-    const Table table = Table::of(plan_quantities(scene, plan, goal, options.measure.has_value()), plan);
-    summary = table.object();
-    summary["peaks"] = peaks_json(plan.landing.peaks, contact_name(robot));
-    summary["contacts"] = Table(contact_quantities(words_of(robot)), plan.landing.touches).objects();
-    summary["joints"] = joints_json(scene, plan.motion, plan.landing);
-    if (!extras.logged.empty())
-      summary["logged"] = {{"peak_acceleration", extras.logged}, {"median", median(extras.logged)}};
-    const std::string contacts = contact_order(plan.landing.contacts, contact_name(robot));
-    const bool held = std::none_of(plan.motion.begin(), plan.motion.end(), [](const Motion& m) { return moves(m); });
-    say(first_screen(scene, plan, options, extras.logged),
-        {(held ? "motion: none, held at " : "motion: ") + motion_words(robot, plan.motion),
-         contacts.empty() ? "no contact" : "contacts: " + contacts},
-        table.transposed(), run);
-    run.say(fmt::format("searched for {:.2f} s", plan.seconds));
-    run.add("motion.toml", body_motion_toml(plan.motion, robot, run.provenance_text()));
-    run.add("motion.csv",
-            body_motion_csv(plan.motion, robot, rate, run.provenance_text(), expected_start(scene, plan.landing)));
-    for (auto& [name, content] : exported(exports, scene, plan.motion, plan.landing, run)) run.add(name, content);
-    if (exports.has(Exports::Format::kPlotJuggler) && plan.landing.trajectory.empty())
-      run.warn("plotjuggler.csv is not written: the deadline leaves no time for the landing's rows");
-    run.add("progress.csv", progress_csv(run, plan));
-    Report report("Best landing: " + scene.name);
-    const bool drawn = tools::drawn(options.deadline);
-    if (drawn) show(scene, {{"best motion", &plan.landing}, {"held", &plan.held}}, "", report);
-    if (!scene.loads.empty()) {
-      summary["loads"] = report_loads(scene, plan.landing, "", &report, run);
-      summary["hold"]["loads"] = report_loads(scene, plan.held, "", nullptr, run);
-    }
-    if (plan.under) {
-      summary["scatter"] = scatter_json(*plan.under);
-      report_scatter(plan, options, held_words(robot, plan.hold), rated(scene), report, run);
-      if (!scene.loads.empty()) summary["scatter"]["loads"] = report_exceeded(scene, *plan.under, report, run);
-    }
-    if (options.share) run.say(share_check(plan, options).words);
-    report.distrust(run.warnings());
-    report.answer(first_screen(scene, plan, options, extras.logged), run.warnings());
-    report.folded("All numbers", table.transposed());
-    if (drawn) {
-      report.heading("The search");
-      report.plot("search", "motions evaluated", fmt::format("{} [{}]", goal, unit_of(scene)), {descent(plan)},
-                  Axes::kLogarithmic);
-    } else {
-      report.paragraph(kNotDrawn);
-    }
-    robot_tables(scene, report);
-    report.write(run);
+    summary = report_found(scene, plan, options, rate, exports, run, extras);
   } else {
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
     if (extras.least) report_least_breaking(scene.robot, *extras.least, run, summary);

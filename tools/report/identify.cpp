@@ -238,6 +238,34 @@ std::vector<Series> angle_curves(const Trial& t, const identify::TrialResult& pr
   return series;
 }
 
+namespace {
+
+/// actuator.toml, and the files for other programs.
+void write_actuator(const IdentifyQuestion& q, const Fit& fit, Run& run) {
+  const RigLink link{q.rig.length, q.rig.inertia};
+  Actuator actuator = fitted_actuator(q, fit);
+  for (auto& [name, content] : exported(q.exports, actuator, link, run)) run.add(name, content);
+  actuator.provenance = run.provenance();
+  actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
+  run.add("actuator.toml", to_toml(actuator, fit.half_width));
+}
+
+FirstScreen answer_of(const IdentifyQuestion& q, const identify::Identification& found) {
+  const Fit& fit = found.fit;
+  FirstScreen first = first_screen(fit, fmt::format("{} trials", q.trials.size()));
+  first.sentence += fmt::format(" The angles are met within {:.2g} rad (rms).", fit.rms);
+  if (found.trust)
+    first.checks.push_back(check(!found.trust->tests.model_rejected(), "the model explains the trials", ""));
+  const std::string unrated = fitted_actuator(q, fit).unknown_ratings();
+  first.checks.push_back(
+      {unrated.empty() ? Check::State::kGood : Check::State::kUnknown, "the motor's ratings", unrated});
+  first.checks.push_back({Check::State::kUnknown, "held-out trial", "not played here"});
+  first.next = "`ukemi predict` with actuator.toml and a trial that was held out tests these constants.";
+  return first;
+}
+
+}  // namespace
+
 int report(const IdentifyQuestion& q, const identify::Identification& found, const std::optional<LandingOfFit>& landing,
            Doubt doubt, Json summary, Run& run) {
   const Fit& fit = found.fit;
@@ -277,25 +305,9 @@ int report(const IdentifyQuestion& q, const identify::Identification& found, con
   for (Figure& f : residual_figures(q.trials, fit)) report.figure(std::move(f));
   if (const std::vector<std::string> next = next_steps(q, found); !next.empty())
     report.heading("What to do next"), report.list(next);
-  const RigLink link{q.rig.length, q.rig.inertia};
-  if (found.trust) {
-    Actuator actuator = fitted_actuator(q, fit);
-    for (auto& [name, content] : exported(q.exports, actuator, link, run)) run.add(name, content);
-    actuator.provenance = run.provenance();
-    actuator.provenance.emplace_back("converged", fit.converged ? "true" : "false: these constants are not a minimum");
-    run.add("actuator.toml", to_toml(actuator, fit.half_width));
-  }
+  if (found.trust) write_actuator(q, fit, run);
   run.add("fit.csv", fit_csv(run, q.trials, fit));
-  FirstScreen first = first_screen(fit, fmt::format("{} trials", q.trials.size()));
-  first.sentence += fmt::format(" The angles are met within {:.2g} rad (rms).", fit.rms);
-  if (found.trust)
-    first.checks.push_back(check(!found.trust->tests.model_rejected(), "the model explains the trials", ""));
-  const std::string unrated = fitted_actuator(q, fit).unknown_ratings();
-  first.checks.push_back(
-      {unrated.empty() ? Check::State::kGood : Check::State::kUnknown, "the motor's ratings", unrated});
-  first.checks.push_back({Check::State::kUnknown, "held-out trial", "not played here"});
-  first.next = "`ukemi predict` with actuator.toml and a trial that was held out tests these constants.";
-  report.answer(first, run.warnings());
+  report.answer(answer_of(q, found), run.warnings());
   report.write(run);
   const bool doubted = doubt == Doubt::kFail && !fit.trusted();
   return run.finish(summary, fit.converged && !doubted ? kDone : kNumbers);

@@ -278,12 +278,41 @@ std::vector<std::string> remove_flat_columns(const Robot& robot, std::vector<Rob
   return out;
 }
 
+namespace {
+
+constexpr std::size_t kMinRows = 8;  // of a trial
+
+/// The rows between two cuts each, as trials of their own.
+std::vector<RobotTrial> pieces_of(const std::string& path, const std::shared_ptr<Commands>& commands,
+                                  const std::vector<std::vector<double>>& measured,
+                                  const std::vector<std::size_t>& cuts) {
+  std::vector<RobotTrial> out;
+  for (std::size_t p = 0; p + 1 < cuts.size(); ++p) {
+    const std::size_t from = cuts[p], to = cuts[p + 1];
+    if (to < from + kMinRows)
+      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kMinRows, path,
+                                   commands->t[std::min(from, commands->t.size() - 1)]));
+    RobotTrial trial{.log = {}, .origin = commands->t[from], .run = path, .commands = commands};
+    trial.log.file = to - from == commands->t.size()
+                         ? path
+                         : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
+    for (std::size_t i = from; i < to; ++i) trial.log.t.push_back(commands->t[i] - trial.origin);
+    trial.log.output.assign(measured.size(), {});
+    for (std::size_t o = 0; o < measured.size(); ++o)
+      if (!measured[o].empty())
+        trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
+    out.push_back(std::move(trial));
+  }
+  return out;
+}
+
+}  // namespace
+
 std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& robot, const RobotLogOptions& options) {
   const ColumnMap map("--columns", options.columns, known_columns(robot));
   const LogColumns log(path, map);
   auto commands = std::make_shared<Commands>();
   commands->t = log.time();
-  constexpr std::size_t kMinRows = 8;
   if (commands->t.size() < kMinRows)
     throw InputError({path, log.table().line.back()},
                      fmt::format("{} rows: at least {} are needed", commands->t.size(), kMinRows));
@@ -320,23 +349,7 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   std::vector<std::string> notes = near_misses(log.table(), map);
   note_gaps(commands->t, notes), note_unread_places(log.table(), robot, notes);
   note_unread_forces(log.table(), map, notes);
-  std::vector<RobotTrial> out;
-  for (std::size_t p = 0; p + 1 < cuts.size(); ++p) {
-    const std::size_t from = cuts[p], to = cuts[p + 1];
-    if (to < from + kMinRows)
-      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kMinRows, path,
-                                   commands->t[std::min(from, commands->t.size() - 1)]));
-    RobotTrial trial{.log = {}, .origin = commands->t[from], .run = path, .commands = commands};
-    trial.log.file = to - from == commands->t.size()
-                         ? path
-                         : fmt::format("{}, {:.3f} to {:.3f} s", path, trial.origin, commands->t[to - 1]);
-    for (std::size_t i = from; i < to; ++i) trial.log.t.push_back(commands->t[i] - trial.origin);
-    trial.log.output.assign(measured.size(), {});
-    for (std::size_t o = 0; o < measured.size(); ++o)
-      if (!measured[o].empty())
-        trial.log.output[o] = {measured[o].begin() + long(from), measured[o].begin() + long(to)};
-    out.push_back(std::move(trial));
-  }
+  std::vector<RobotTrial> out = pieces_of(path, commands, measured, cuts);
   if (!out.empty()) out.front().notes = std::move(notes);
   return out;
 }
