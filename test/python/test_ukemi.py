@@ -340,6 +340,16 @@ def test_the_stubs_name_what_there_is():
 BAD = [float("nan"), float("inf"), float("-inf")]
 
 
+def test_every_constant_of_an_actuator_is_an_argument(tmp_path):
+    constants = dict(k_p=50, k_d=1, k_sea=65, c_sea=1.6, i_motor=0.085, tau_max=40, k_t=2, friction=0.1, friction_asymmetry=0.2, viscous_friction=0.3,
+                     output_friction=0.4, output_friction_asymmetry=-0.1, output_viscous=0.05, breakaway=0.5, stribeck_speed=0.06, spring_loss=0.07,
+                     k_sea_cubic=-1, control_delay=1e-3, velocity_filter=2e-3)
+    actuator = ukemi.Actuator(**constants, speed_max=20, motor_torque_max=30, feedback=ukemi.Feedback.motor, name="all")
+    assert {n: getattr(actuator, n) for n in constants} == constants
+    actuator.save(tmp_path / "actuator.toml")
+    assert ukemi.read_actuator(tmp_path / "actuator.toml") == actuator
+
+
 @pytest.mark.parametrize("bad", BAD)
 def test_what_cannot_be_is_refused(actuator, bad):
     rig = ukemi.Rig(length=0.3, inertia=0.024225, tau_max=20)

@@ -90,13 +90,20 @@ void bind_actuator(py::module_& m) {
       "k_p [Nm/rad], k_d [Nm/(rad/s)], k_sea [Nm/rad], c_sea [Nm/(rad/s)], i_motor [kg m^2]; tau_max [Nm] limits the "
       "spring, infinite: no limit; speed_max [rad/s], motor_torque_max [Nm] rate the motor, None: unknown; friction "
       "[Nm], viscous_friction [Nm/(rad/s)], k_sea_cubic [Nm/rad^3], below 0: softening; control_delay, "
-      "velocity_filter [s], how late the drive is.",
+      "velocity_filter [s], how late the drive is. Others as in an actuator file: k_t [Nm], output_friction [Nm], "
+      "output_viscous [Nm/(rad/s)], stribeck_speed [rad/s]; friction_asymmetry, output_friction_asymmetry, breakaway, "
+      "spring_loss [1].",
       py::arg("k_p"), py::arg("k_d"), py::arg("k_sea"), py::arg("c_sea"), py::arg("i_motor"),
       Argument{"tau_max", &Given::tau_max, "float('inf')"}, Argument{"speed_max", &Given::speed_max},
       Argument{"friction", &Given::friction}, Argument{"viscous_friction", &Given::viscous},
       Argument{"k_sea_cubic", &Given::k_sea_cubic}, Argument{"feedback", &Given::feedback, "Feedback.output"},
       Argument{"name", &Given::name}, Argument{"motor_torque_max", &Given::motor_torque_max},
-      Argument{"control_delay", &Given::control_delay}, Argument{"velocity_filter", &Given::velocity_filter});
+      Argument{"control_delay", &Given::control_delay}, Argument{"velocity_filter", &Given::velocity_filter},
+      Argument{"k_t", &Given::k_t}, Argument{"friction_asymmetry", &Given::friction_asymmetry},
+      Argument{"output_friction", &Given::output_friction},
+      Argument{"output_friction_asymmetry", &Given::output_friction_asymmetry},
+      Argument{"output_viscous", &Given::output_viscous}, Argument{"breakaway", &Given::breakaway},
+      Argument{"stribeck_speed", &Given::stribeck_speed}, Argument{"spring_loss", &Given::spring_loss});
   for (const ActuatorConstant& constant : actuator_constants())
     property(c, constant.key, fmt::format("{} [{}].", constant.meaning, constant.unit).c_str(),
              [at = constant.at](auto& a) { return a.sea.*at; });
