@@ -31,8 +31,7 @@ void add_manual(CLI::App& app, Action& chosen) {
   });
 }
 
-/// Numbers are decimal, and what is none is told by our own words; so is a value that is empty, and an option that only
-/// another gives a meaning.
+/// Refuses values that are not decimal numbers, empty values, and options without the option that they need.
 void check_values(CLI::App& app) {
   constexpr std::pair<const char*, const char*> kNeeds[] = {{"--joint", "--export"}, {"--force-clock", "--force-log"}};
   for (CLI::App* verb : app.get_subcommands({})) {

@@ -1,4 +1,4 @@
-// The program's command line as a whole: its verbs, and what the words of one call ask for.
+// The program's command line: its verbs, and what one call runs.
 #pragma once
 
 #include "tools/program/command.hpp"

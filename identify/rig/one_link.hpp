@@ -128,7 +128,7 @@ class OneLinkSystem {
     return stribeck ? T(sliding * ukemi::stribeck(sea.breakaway, sea.stribeck_speed, speed)) : sliding;
   }
 
-  /// Flattened: operations on Jets are worth no calls.
+  /// Flattened: an operation on Jets is cheaper than a call.
   template <class Time>
   UKEMI_FLATTEN void derivative(const Time& t, const State& y, State& dy) const {
     const T demand = demanded_torque(t, y);

@@ -42,7 +42,7 @@ StiffestContact stiffest_contact(const System& s) {
 
 /// The largest energy E of a run at rest [J].
 struct RestEnergy {
-  /// As `impact_energy` of rest.hpp, for the stiffest contact [J per (m/s^2)^2].
+  /// Largest energy of an impact on the stiffest contact whose acceleration stays below 1 m/s^2 [J per (m/s^2)^2].
   double per_square = 0;
   /// What steps leave in a contact that rests: they move it by some times their tolerance [J].
   double unresolved = 0;
@@ -175,7 +175,7 @@ std::optional<double> restoring_energy(const System& s, double t, const typename
 
 inline constexpr double kDownhillShare = 0.1;  ///< of gravity's component along the slope
 
-/// By how much the state y is too lively to end the run by the rule above: E over its limits, at rest at most 1; a
+/// Energy E of the state y relative to its limits by the rule above, which must be at most 1 to end the run; a
 /// lower bound of it above 1 if parts of E exceed them. Absent if the run may not end there whatever E is, as with a
 /// `limit` of E below 0.
 template <class System>

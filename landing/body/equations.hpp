@@ -495,13 +495,43 @@ Arms<T, kSize.bodies> shifted(const Body<T, kSize>& b, std::type_identity_t<Arms
   return from;
 }
 
+/// Sets the joints of the tree, and adds the inertia of geared motors.
+template <Capacity kSize>
+void set_joints(Body<double, kSize>& out, const Robot& robot) {
+  int joints = 0;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    const Joint& joint = robot.joints[i];
+    if (joint.kind == DriveKind::kLocked) continue;
+    const int parent = robot.links[joint.child].parent, child = out.body_of[joint.child];
+    TreeJoint& place = out.joint[joints++];
+    place = {parent < 0 ? -1 : out.body_of[parent], child, parent < 0 ? 0 : -out.offset[parent], int(i)};
+    if (joint.kind != DriveKind::kGeared) continue;
+    out.n[child][child] += joint.sea.i_motor;
+    if (place.parent < 0) continue;
+    out.n[place.parent][place.parent] += joint.sea.i_motor;
+    out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
+  }
+  out.joints = {joints};
+}
+
+/// Sets the ends of stops, after the contacts.
+template <Capacity kSize>
+void set_stops(Body<double, kSize>& out, const Robot& robot) {
+  out.stops_begin = out.stops_end = out.contacts;
+  for_each_stop_end(robot, [&](const Stop& s, int end) {
+    const auto at = std::find_if(out.joint.begin(), out.joint.end(), [&](auto& j) { return j.joint == s.joint; });
+    out.stop[std::size_t(out.stops_end++)] = {s.joint < 0 ? -1 : int(at - out.joint.begin()), end == 0 ? 1.0 : -1.0,
+                                              s.ends[std::size_t(end)]};
+  });
+}
+
 /// The constants of the equations of a robot, which must fit the kernel.
 template <Capacity kSize>
 Body<double, kSize> body_of(const Robot& robot) {
   using Arm = Arms<double, kSize.bodies>;
   Body<double, kSize> out;
   out.base = robot.base;
-  int bodies = 0, joints = 0;
+  int bodies = 0;
   const std::size_t links = robot.links.size();
   std::array<Arm, kMaxLinks> origin{}, com{};
   const auto shifted = [&](const Arm& from, int link, const Place& at) {
@@ -540,29 +570,13 @@ Body<double, kSize> body_of(const Robot& robot) {
       for (int k = 0; k < bodies; ++k)
         out.p[j][k] += m * (r.a[j] * r.a[k] + r.b[j] * r.b[k]), out.q[j][k] += m * (r.a[j] * r.b[k] - r.b[j] * r.a[k]);
   }
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
-    const Joint& joint = robot.joints[i];
-    if (joint.kind == DriveKind::kLocked) continue;
-    const int parent = robot.links[joint.child].parent, child = out.body_of[joint.child];
-    TreeJoint& place = out.joint[joints++];
-    place = {parent < 0 ? -1 : out.body_of[parent], child, parent < 0 ? 0 : -out.offset[parent], int(i)};
-    if (joint.kind != DriveKind::kGeared) continue;
-    out.n[child][child] += joint.sea.i_motor;
-    if (place.parent < 0) continue;
-    out.n[place.parent][place.parent] += joint.sea.i_motor;
-    out.n[child][place.parent] -= joint.sea.i_motor, out.n[place.parent][child] -= joint.sea.i_motor;
-  }
+  set_joints(out, robot);
   for (int j = 0; j < bodies; ++j) out.n[j][j] += out.p[j][j];
   out.inverse_first = 1 / out.n[0][0];
-  out.bodies = {bodies}, out.joints = {joints};
+  out.bodies = {bodies};
   for (const ContactPoint& c : robot.contacts)
     out.contact[out.contacts++] = from_base(shifted(origin[c.link], c.link, c.at));
-  out.stops_begin = out.stops_end = out.contacts;
-  for_each_stop_end(robot, [&](const Stop& s, int end) {
-    const auto at = std::find_if(out.joint.begin(), out.joint.end(), [&](auto& j) { return j.joint == s.joint; });
-    out.stop[std::size_t(out.stops_end++)] = {s.joint < 0 ? -1 : int(at - out.joint.begin()), end == 0 ? 1.0 : -1.0,
-                                              s.ends[std::size_t(end)]};
-  });
+  set_stops(out, robot);
   out.peak = from_base(shifted(origin[robot.peak_link], robot.peak_link, robot.peak));
   for (std::size_t i = 0; i < links; ++i) out.origin[i] = from_base(origin[i]);
   out.first = out.origin[0];

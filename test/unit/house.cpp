@@ -1,5 +1,6 @@
 // The house: the direction of the includes, the top level, where the pages lead.
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cctype>
 #include <filesystem>
@@ -78,6 +79,24 @@ bool reaches(const std::map<std::string, std::set<std::string>>& rooms, const st
   for (const std::string& next : rooms.at(from))
     if (next == to || reaches(rooms, next, to, seen)) return true;
   return false;
+}
+
+/// First lines, with their file, of functions and blocks with more than `most` lines. A function is laid out so that
+/// its last line is a brace in the column of its first one.
+std::vector<std::string> longer_than(int most, const fs::path& file) {
+  std::vector<std::string> out;
+  std::istringstream lines(text_of(file));
+  std::array<std::pair<int, std::string>, 3> first;  // of column 0 and 2: number and text of the last line there
+  int number = 0;
+  for (std::string line; std::getline(lines, line);) {
+    ++number;
+    const std::size_t column = line.find_first_not_of(' ');
+    if (column != 0 && column != 2) continue;
+    auto& [begin, text] = first[column];
+    if (line.substr(column) == "}" && number - begin >= most) out.push_back(file.generic_string() + ": " + text);
+    if (line[column] != '}') begin = number, text = line;
+  }
+  return out;
 }
 
 }  // namespace
@@ -166,6 +185,14 @@ TEST_CASE("no test's name is cut short by what runs it") {
     tests += std::regex_search(text, std::regex("TEST_CASE\\("));
   }
   CHECK(tests > 30);
+}
+
+TEST_CASE("no function has more than 60 lines") {
+  constexpr int kMost = 60;
+  for (const char* const part : {"common", "identify", "landing", "tools"})
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(UKEMI_SOURCE) / part))
+      if (const auto kind = entry.path().extension(); kind == ".hpp" || kind == ".cpp")
+        CHECK(longer_than(kMost, entry.path()) == std::vector<std::string>{});
 }
 
 TEST_CASE("the top level has no strangers") {
