@@ -79,3 +79,38 @@ TEST_CASE("archive: after whatever comes it is in order, apart, within its place
     }
   }
 }
+
+TEST_CASE("archive: each first contact has places of its own") {
+  const auto with = [](int contact, double u, double value) {
+    Candidate p = at(u, value);
+    p.first_contact = contact;
+    return p;
+  };
+  Archive archive(2, 0.05);
+  for (const double v : {10, 11, 12}) archive.add(with(0, 0.1 * (v - 9), v));
+  CHECK(values(archive) == std::vector<double>{10, 11});
+  CHECK(archive.bound() == 11);
+  CHECK(archive.add(with(1, 0.1, 15)));  // beside one of the other contact, and worse than all of it
+  CHECK(archive.add(with(1, 0.9, 14)));
+  CHECK(values(archive) == std::vector<double>{10, 11, 14, 15});
+  CHECK(archive.bound() == 15);
+  CHECK_FALSE(archive.add(with(1, 0.5, 16)));
+  CHECK_FALSE(archive.add(with(0, 0.5, 13)));
+  CHECK(archive.lowest() == 10);
+  CHECK(archive.lowest(with(1, 0.5, 20)) == 14);
+  CHECK(archive.beside(with(1, 0.11, 20), 15));
+  CHECK_FALSE(archive.beside(with(1, 0.2, 20), 15));
+  // A third whose best is above twice the lowest does not count.
+  CHECK(archive.add(with(2, 0.5, 30)));
+  CHECK(archive.bound() == 15);
+  Random random(1);
+  int of_best = 0;
+  constexpr int kDraws = 1'000;
+  for (int n = 0; n < kDraws; ++n) {
+    const Candidate& p = archive.draw(random);
+    CHECK(p.first_contact < 2);
+    of_best += p.first_contact == 0;
+  }
+  CHECK(of_best > 650);  // one half, and half of the other
+  CHECK(of_best < 850);
+}
