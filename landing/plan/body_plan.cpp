@@ -15,7 +15,7 @@
 #include "landing/plan/body_drops.hpp"
 #include "landing/plan/body_objective.hpp"
 #include "landing/scatter/sampler.hpp"
-#include "landing/search/auto_search.hpp"
+#include "landing/search/solvers.hpp"
 
 namespace ukemi::landing {
 
@@ -27,6 +27,7 @@ long BodyPlanOptions::default_evaluations(const BodyScene& scene) const {
 }
 
 void BodyPlanOptions::validate() const {
+  check_solver(solver);
   if (evaluations) check_count("evaluations", *evaluations, 1, 1'000'000'000);
   if (goal == Goal::kRobust) throw InputError("goal: kPeak or kTolerant is needed: a measure makes it robust");
   if (measure) measure->validate();
@@ -135,7 +136,9 @@ class BodyPlanning {
       Candidate first{starts[0]};
       search.evaluate({&first, 1});
     }
-    AutoSearch().run(search);
+    if (options_.solver == "sqp" && objective.gradient_rows(goal()) == 0)
+      throw InputError("solver: sqp: a scene without limits and a goal that is a largest peak are needed");
+    run_solver(options_.solver, search);
     out_.evaluations = std::min(search.spent(), budget.motions);  // a descent by derivatives counts as many at once
     const Candidate best = search.judge(options_.accuracy, left - last);
     for (const Progress& p : progress)

@@ -18,6 +18,7 @@ namespace ukemi::landing {
 struct BodyDrop;
 
 struct BodyPlanOptions {
+  std::string solver = "auto";     ///< of solver_names(); "sqp" with goals that have derivatives alone
   Goal goal = Goal::kPeak;         ///< kPeak or kTolerant (the worst of execution_drops); `measure` makes it robust
   std::optional<Measure> measure;  ///< of the peaks over scattered drops; with kTolerant each is played inexactly
   std::optional<Scatter> scatter;  ///< see scatter_for

@@ -382,8 +382,10 @@ TEST_CASE("drops as they were measured are played and planned for, of a robot of
 
 TEST_CASE("what a verb cannot do for a robot of links is refused in a line that says what it can") {
   const Folder f;
-  check_refused(f, {"optimize", kHopper, "--solver", "de"},
-                {"--solver: of the paper's robot alone; robots of links are planned without it"});
+  check_refused(f, {"optimize", kHopper, "--solver", "compare"},
+                {"--solver compare: of the paper's robot alone; robots of links are planned without it"});
+  check_refused(f, {"optimize", kHopper, "--solver", "sqp", "--forbid", "knee"},
+                {"solver: sqp: a scene without limits", "a largest peak"});
   check_refused(f, {"optimize", kHopper, "--robust", "median"}, {"--robust: 'median': ", "cvar"});
   check_refused(f, {"optimize", kHopper, "--robust", "mean", "--scatter", "forward_speed=0.1"},
                 {"scatter: forward_speed", "this base"});

@@ -12,6 +12,7 @@
 #include "landing/plan/body_space.hpp"
 #include "landing/plan/checked_body.hpp"
 #include "landing/plan/scene_doubts.hpp"
+#include "landing/search/solvers.hpp"
 #include "test/folder.hpp"
 #include "test/legs/robots.hpp"
 
@@ -108,6 +109,26 @@ TEST_CASE("legs: the fast path has the peaks of the accurate one, and what rests
 
 // On its knee the robot lands with 71.3 at the best, in a basin that is wide; on its foot with 58.7, in one that is
 // narrow.
+TEST_CASE("legs: every solver plans, keeps its budget, and is no worse than holding, with every goal") {
+  const BodyScene scene = shipped("hopper");
+  for (const std::string& solver : solver_names())
+    for (const auto& [goal, measure] :
+         {std::pair(Goal::kPeak, std::optional<Measure>()), std::pair(Goal::kTolerant, std::optional<Measure>()),
+          std::pair(Goal::kPeak, std::optional(Measure{Measure::Kind::kCvar}))}) {
+      BodyPlanOptions o{.solver = solver, .goal = goal, .measure = measure, .samples = 8, .judging = 16, .fresh = 0};
+      o.evaluations = measure ? 1'500 : 200;
+      INFO(solver << " " << int(goal) << " " << measure.has_value());
+      if (solver == "sqp" && measure) {
+        CHECK_THROWS_WITH(plan(scene, o), Catch::Matchers::StartsWith("solver: sqp: "));
+        continue;
+      }
+      const BodyPlan p = plan(scene, o);
+      CHECK(p.found);
+      CHECK(p.value <= p.held_value);
+      CHECK(p.evaluations <= *o.evaluations);
+    }
+}
+
 TEST_CASE("legs: a plan finds the narrow basin of another first contact") {
   const BodyScene scene = shipped("three_links");
   int on_foot = 0;

@@ -192,12 +192,13 @@ void bind_body_optimize(py::module_& m) {
         BodyPlanOptions options = plan_options(limited, a);
         options.measured = measured_drops(a, limited);
         options.deadline = a.deadline, options.rate = checked_rate(a.rate), options.share = a.share;
+        options.solver = a.solver;
         options.validate();
         const BodyPlan found = monitored([&] { return plan(limited, options); }, options.monitor);
         return BodyOptimum{limited, found, options};
       },
       py::arg("scene"), kSeed, kObjective, kEvaluations, kDeadline, kRobust, kScatter, kInflate, kSamples, kRate,
-      kThreads, kForbid, kRespectRatings, kShare, kDrops,
+      kThreads, kForbid, kRespectRatings, kShare, kDrops, kSolver,
       "The same of a robot of links: a motion for every driven joint. forbid: contacts that must never touch. Stops of "
       "the scene are kept, with robust in `share` of the drops [1]. drops: a CSV file of measured ones, in place of "
       "drawn ones.");

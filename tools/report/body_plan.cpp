@@ -268,7 +268,7 @@ int report(const BodyScene& scene, const BodyPlan& plan, const BodyPlanOptions& 
     summary = {{"motion", nullptr}, {"evaluations", plan.evaluations}};
     if (extras.least) report_least_breaking(scene.robot, *extras.least, run, summary);
   }
-  summary["solver"] = "auto", summary["objective"] = kGoalNames[std::size_t(options.goal)],
+  summary["solver"] = options.solver, summary["objective"] = kGoalNames[std::size_t(options.goal)],
   summary["seed"] = options.seed;
   if (options.measure)
     summary["robust"] = {

@@ -271,7 +271,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
     if (given)
       throw InputError(fmt::format("{}: of the paper's robot alone; robots of links are planned without it", option));
   };
-  refuse(a.solver != "auto", "--solver"), refuse(a.tolerance != 0, "--tolerance");
+  refuse(a.solver == "compare", "--solver compare"), refuse(a.tolerance != 0, "--tolerance");
   refuse(a.evidence == AnswerOptions::Extras::kAlways, "--evidence");
   BodyScene scene = body_of(a, run);
   apply_freedom(a.freedom, scene, run);
@@ -282,7 +282,7 @@ BodyScene scene_to_plan(const OptimizeArguments& a, Run& run) {
 BodyPlanOptions plan_options(const OptimizeArguments& a, const CommonOptions& common, const BodyScene& scene,
                              Run& run) {
   BodyPlanOptions out;
-  out.goal = a.goal, out.evaluations = a.evaluations;
+  out.solver = a.solver, out.goal = a.goal, out.evaluations = a.evaluations;
   if (a.robust) out.measure = Measure::parse("--robust", *a.robust);
   out.samples = scattered_samples(a).value_or(out.samples);
   if (a.penalty) throw InputError("--penalty: of the paper's robot; of robots of links --share says what is kept");
