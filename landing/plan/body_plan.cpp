@@ -112,6 +112,9 @@ class BodyPlanning {
     return goals_.judge.single() ? 0 : watch_.seconds() - before;
   }
 
+  /// Evaluations of the held posture.
+  long held_cost() const { return goal() == Goal::kRobust ? 1 + long(goals_.judge.drops.size()) : 1; }
+
   /// Searches, and judges until `last` [s] before the end.
   void search(double left, double reserve, double last) {
     BodyObjective objective(scene_, space_, goals_,
@@ -123,8 +126,9 @@ class BodyPlanning {
                             out_.found && goal() != Goal::kRobust ? out_.held_value : kNoMotion);
     Budget budget;
     budget.seconds = left - objective.watch.seconds() - reserve;
-    budget.motions =
+    const long evaluations =
         options_.evaluations.value_or(options_.deadline ? 1'000'000'000 : options_.default_evaluations(scene_));
+    budget.motions = std::max(0L, evaluations - held_cost());
     std::vector<Progress> progress;
     progress.reserve(kMaxProgress);
     landing::Search search(objective, budget, options_.seed, &progress);
@@ -139,10 +143,11 @@ class BodyPlanning {
     if (options_.solver == "sqp" && objective.gradient_rows(goal()) == 0)
       throw InputError("solver: sqp: a scene without limits and a goal that is a largest peak are needed");
     run_solver(options_.solver, search);
-    out_.evaluations = std::min(search.spent(), budget.motions);  // a descent by derivatives counts as many at once
+    // A descent by derivatives counts as many at once.
+    out_.evaluations = std::min(evaluations, held_cost() + std::min(search.spent(), budget.motions));
     const Candidate best = search.judge(options_.accuracy, left - last);
     for (const Progress& p : progress)
-      out_.progress.push_back({goal() == Goal::kRobust ? p.landings : p.motions, p.seconds, p.value});
+      out_.progress.push_back({held_cost() + (goal() == Goal::kRobust ? p.landings : p.motions), p.seconds, p.value});
     if (best.value < kNoMotion) accept_if_better(best);
     say_why();
   }
