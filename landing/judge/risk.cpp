@@ -61,6 +61,7 @@ Risk risk(const DropModel& model, const Actuator& actuator, const Motion& motion
       .events = {},
       .loads = {},
       .sampler = model.sampler(),
+      .flight_counts = false,
       .drawn = drawn,
       .samples = n,
       .held = drawn ? std::min(n, Risk::kHeldDrops) : n,

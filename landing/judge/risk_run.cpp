@@ -18,7 +18,10 @@ constexpr double kAccuracy = 1e-6;  // of a landing's steps; at 1e-5 one peak in
 constexpr long kChunk = 2048;       // landings that are held in memory at once
 
 /// The peak, infinite where the landing could not be followed.
-double peak_of(const BodyLanding& l) { return no_landing(l.end) ? std::numeric_limits<double>::infinity() : l.peak; }
+double peak_of(const RiskRun& run, const BodyLanding& l) {
+  const bool flight = l.end == End::kTimeLimit && !std::isfinite(l.contacts.first());
+  return no_landing(l.end) || (flight && !run.flight_counts) ? std::numeric_limits<double>::infinity() : l.peak;
+}
 
 /// Landings of a run, and their progress.
 class DropRunner {
@@ -48,11 +51,11 @@ class Census {
   explicit Census(const RiskRun& run) : run_(run), events_(run.events) {}
 
   void add_held(const BodyLanding& l) {
-    if (add(peak_of(l), held_, held_failed_)) held_lost_ += l.joint_lost;
+    if (add(peak_of(run_, l), held_, held_failed_)) held_lost_ += l.joint_lost;
   }
   void add(long index, const PlayableDrop& drop, const BodyLanding& l) {
     from_floor_ += drop.from_floor;
-    if (!add(peak_of(l), peaks_, failed_)) return;
+    if (!add(peak_of(run_, l), peaks_, failed_)) return;
     lost_ += l.joint_lost;
     worst_.emplace_back(l.peak, index);
     ++contacts_[{l.peak_contact + 1, l.peak_contact < 0 ? -1 : l.contacts[l.peak_contact]}];
@@ -202,7 +205,7 @@ std::vector<std::pair<double, long>> RiskRun::play(PeakRisk& out) const {
                  if (runner.stopped()) return std::nullopt;
                  runner.played(count);
                  std::vector<double> peaks;
-                 for (const BodyLanding& l : landings) peaks.push_back(peak_of(l));
+                 for (const BodyLanding& l : landings) peaks.push_back(peak_of(*this, l));
                  return peaks;
                });
   return worst;

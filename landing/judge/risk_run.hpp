@@ -23,9 +23,10 @@ struct RiskRun {
   std::vector<RiskEvent> events;
   std::vector<Load> loads;  ///< of each event the load that is beyond its rating in it; those with `limit` are limits
   const Sampler& sampler;
-  bool drawn = true;  ///< else measured drops: without indices
-  long samples = 0;   ///< number of drops
-  long held = 0;      ///< of these, the first ones in which the held reference is played too
+  bool flight_counts = true;  ///< a drop that touches nothing until t_end has the peak of its flight, else none
+  bool drawn = true;          ///< else measured drops: without indices
+  long samples = 0;           ///< number of drops
+  long held = 0;              ///< of these, the first ones in which the held reference is played too
   std::uint64_t seed = 1;
   int threads = 0;
   const Monitor& monitor;
