@@ -120,6 +120,12 @@ void check_share(const BodyScene& scene, const std::optional<double>& share, con
   if (share && !scene.limited()) throw InputError(option + ": the scene has no limit to keep");
 }
 
+void check_solver(const BodyScene& scene, const BodyPlanOptions& options) {
+  const bool worst = !options.measure || options.measure->kind == Measure::Kind::kWorst;
+  if (options.solver == "sqp" && (scene.limited() || !worst))
+    throw InputError("solver: sqp: a scene without limits and a goal that is a largest peak are needed");
+}
+
 long judging_drops(const BodyPlanOptions& options) {
   constexpr double kBroken = 10, kMost = 4096;  // drops that may break a limit; maximum of drops
   if (!options.share) return options.judging;

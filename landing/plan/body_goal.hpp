@@ -68,6 +68,9 @@ BodyGoal execution_box(const BodyScene& scene, bool measured);
 /// Throws InputError for a share where the scene has no limits; `option`: its name in the message.
 void check_share(const BodyScene& scene, const std::optional<double>& share, const std::string& option = "share");
 
+/// Throws InputError for sqp where the goal has no derivatives.
+void check_solver(const BodyScene& scene, const BodyPlanOptions& options);
+
 /// The goal of the search, and the one by which its best few are judged.
 struct BodyGoals {
   BodyGoal search, judge;

@@ -140,8 +140,6 @@ class BodyPlanning {
       Candidate first{starts[0]};
       search.evaluate({&first, 1});
     }
-    if (options_.solver == "sqp" && objective.gradient_rows(goal()) == 0)
-      throw InputError("solver: sqp: a scene without limits and a goal that is a largest peak are needed");
     run_solver(options_.solver, search);
     // A descent by derivatives counts as many at once.
     out_.evaluations = std::min(evaluations, held_cost() + std::min(search.spent(), budget.motions));
@@ -155,7 +153,11 @@ class BodyPlanning {
     if (out_.found && !(p.value < out_.value)) return;
     const BodyMotion motion = space_.motion(p.u);
     const BodyLanding l = simulate(scene_, motion, {.accuracy = options_.accuracy}, options_.rate);
-    const double value = goals_.judge.single() ? worth(scene_, l) : p.value;
+    double value = p.value;
+    if (goals_.judge.single())
+      value = worth(scene_, l);
+    else if (goal() != Goal::kRobust && !options_.deadline)  // at the accuracy of the answer alone
+      value = judged(goals_.judge, motion, options_).value;
     if (no_landing(l.end) || (out_.found && !(value < out_.value))) return;
     out_.motion = motion, out_.landing = l, out_.value = value, out_.found = true;
     out_.edges = p.u == space_.held(p.u) ? Edges{} : space_.edges(p.u);  // a posture lies on no edge of the duration
@@ -224,7 +226,7 @@ std::optional<BodyUnderScatter> evaluate_on_fresh(const BodyScene& scene, const 
 }  // namespace
 
 BodyPlan plan(const BodyScene& scene, const BodyPlanOptions& options) {
-  scene.validate(), options.validate(), check_share(scene, options.share);
+  scene.validate(), options.validate(), check_share(scene, options.share), check_solver(scene, options);
   const Stopwatch watch(Stopwatch::Time::kWall);
   const bool reports = options.fresh > 0 && (!options.deadline || options.share);
   BodyPlanOptions search = options;

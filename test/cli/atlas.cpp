@@ -122,12 +122,12 @@ TEST_CASE("atlas: of a robot of links shards, kills and Ctrl-C leave what a sing
   CHECK(table(f, "one") == table(f, "deep/all"));
   CHECK(read(f.at("one/atlas.bin")) == read(f.at("deep/all/atlas.bin")));
   done(f, {"simulate", "deep/all/scene.toml", "-o", "sim", "--quiet"});  // its robot is found from there
-  const Interrupted r = interrupted_after(1, hopper + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
+  const Interrupted r = interrupted_after(0.4, hopper + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
   CHECK(r.code == 130);
   CHECK(fs::exists(f.at("out/atlas.part")));
   const std::size_t begun = summary(f)["planned"];
   CHECK(begun < kHeights);
-  if (killed_after(0.5, hopper + Arguments{"--threads", "1", "-o", "out"}, f) != 0)
+  if (killed_after(0.2, hopper + Arguments{"--threads", "1", "-o", "out"}, f) != 0)
     CHECK(fs::exists(f.at("out/atlas.part")));
   done(f, hopper + Arguments{"-o", "out"});
   CHECK(std::size_t(summary(f)["resumed"]) >= begun);

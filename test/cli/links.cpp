@@ -261,7 +261,7 @@ TEST_CASE("trade: shards are put together, Ctrl-C is gone on from") {
   refused({"--shard", "5/5", "-o", "bad"}, {"--shard: '5/5'", "N up to 4"});
   refused({"--pareto", "peak,knee"}, {"--vary or --pareto"});
 
-  const Interrupted r = interrupted_after(0.5, base + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
+  const Interrupted r = interrupted_after(0.15, base + Arguments{"--threads", "1", "-o", "out"}, f.at(""));
   CHECK(r.code == 130);
   CHECK(summary(f)["interrupted"] == true);
   CHECK(fs::exists(f.at("out/trade.part")));

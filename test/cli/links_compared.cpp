@@ -121,20 +121,20 @@ TEST_CASE("compare shows every constant that differs, and doubts landings that a
       "[actuator]\nname = \"knee\"\nk_p = 50\nk_d = 1\nk_sea = 65\nc_sea = 1.6\n"
       "i_motor = 0.085\ntau_max = 20\n";
   f.write("plain.toml", drive), f.write("late.toml", drive + "control_delay = 0.02\n");
-  const auto compared = [&](const std::string& identified) {
+  const auto compared = [&](const std::string& identified, const char* evaluations) {
     done(f, {"compare", "--scene", kThree, "--nominal", "knee=plain.toml", "--identified", "knee=" + identified,
-             "--evaluations", "200", "--no-report", "-o", "out"});
+             "--evaluations", evaluations, "--no-report", "-o", "out"});
     return summary(f);
   };
-  const Json s = compared("late.toml");
+  const Json s = compared("late.toml", "200");
   CHECK(s["parameters"]["control_delay_knee"]["identified"] == 0.02);
   CHECK(s["parameters"]["control_delay_knee"]["difference_percent"].is_null());
   CHECK_FALSE(s["parameters"].contains("k_p_hip"));
   CHECK(warned(s, "best for nominal, with identified: knee: the drive is unstable"));
   CHECK(warned(s, "best for nominal, with identified: joint hip turns from"));
   // Of so short a search the motion of the nominal set is the better one for both.
-  f.write("rubs.toml", drive + "friction = 3\n");
-  const Json rubs = compared("rubs.toml");
+  f.write("rubs.toml", drive + "friction = 0.3\n");
+  const Json rubs = compared("rubs.toml", "250");
   const double own = rubs["peaks"]["identified_motion"]["identified"],
                other = rubs["peaks"]["nominal_motion"]["identified"];
   REQUIRE(other < 0.99 * own);

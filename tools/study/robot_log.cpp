@@ -280,7 +280,7 @@ std::vector<std::string> remove_flat_columns(const Robot& robot, std::vector<Rob
 
 namespace {
 
-constexpr std::size_t kMinRows = 8;  // of a trial
+constexpr std::size_t kFewestRows = 8;  // of a trial
 
 /// The rows between two cuts each, as trials of their own.
 std::vector<RobotTrial> pieces_of(const std::string& path, const std::shared_ptr<Commands>& commands,
@@ -289,8 +289,8 @@ std::vector<RobotTrial> pieces_of(const std::string& path, const std::shared_ptr
   std::vector<RobotTrial> out;
   for (std::size_t p = 0; p + 1 < cuts.size(); ++p) {
     const std::size_t from = cuts[p], to = cuts[p + 1];
-    if (to < from + kMinRows)
-      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kMinRows, path,
+    if (to < from + kFewestRows)
+      throw InputError(fmt::format("--pieces: fewer than {} rows of '{}' from {:g} s on in one", kFewestRows, path,
                                    commands->t[std::min(from, commands->t.size() - 1)]));
     RobotTrial trial{.log = {}, .origin = commands->t[from], .run = path, .commands = commands};
     trial.log.file = to - from == commands->t.size()
@@ -313,9 +313,9 @@ std::vector<RobotTrial> read_robot_trials(const std::string& path, const Robot& 
   const LogColumns log(path, map);
   auto commands = std::make_shared<Commands>();
   commands->t = log.time();
-  if (commands->t.size() < kMinRows)
+  if (commands->t.size() < kFewestRows)
     throw InputError({path, log.table().line.back()},
-                     fmt::format("{} rows: at least {} are needed", commands->t.size(), kMinRows));
+                     fmt::format("{} rows: at least {} are needed", commands->t.size(), kFewestRows));
   commands->joint.resize(robot.joints.size());
   const std::vector<DropChannel> channels = sensed_channels(robot);
   std::vector<std::vector<double>> measured(channels.size());

@@ -93,7 +93,7 @@ int optimize_body(const OptimizeArguments& a, const CommonOptions& common) {
   if (a.ratings == OptimizeArguments::Ratings::kRespect) keep_ratings(scene, run);
   const double rate = checked_rate(a.rate);
   BodyPlanOptions options = plan_options(a, common, scene, run);
-  check_share(scene, a.share, "--share");
+  check_share(scene, a.share, "--share"), check_solver(scene, options);
   options.deadline = a.deadline;
   options.validate();
   options.rate = draws(a, common) && drawn(a.deadline) ? 1000 : 0;
