@@ -39,7 +39,7 @@ python3 "$source_dir/test/install/answers.py" answers "$source_dir/README.md"
 "$source_dir/tools/docs/landing.sh" landing.svg 2> picture.err
 "$source_dir/tools/docs/leg.sh" leg.svg 2>> picture.err
 for peak in 42 98; do grep -q "foot $peak m/s" leg.svg; grep -q "foot $peak m/s" "$source_dir/tools/docs/leg.svg"; done
-for peak in 466 188; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
+for peak in 466 187; do grep -q ": $peak m/s" landing.svg; grep -q ": $peak m/s" "$source_dir/tools/docs/landing.svg"; done
 
 verbs="identify predict design simulate optimize map ratings risk robot trade atlas compare calibrate demo"
 for v in $verbs; do ukemi "$v" --help; done > help.txt
