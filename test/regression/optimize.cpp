@@ -5,8 +5,8 @@
 #include "common/degrees.hpp"
 #include "landing/model/scene_file.hpp"
 #include "landing/search/optimize.hpp"
-#include "landing/search/tolerant_peak.hpp"
 #include "landing/search/solvers.hpp"
+#include "landing/search/tolerant_peak.hpp"
 
 using namespace ukemi;
 using namespace ukemi::landing;
