@@ -30,6 +30,8 @@ class BodyObjective : public Objective {
   /// Over the judging drops, by `judged`.
   double verified(const Candidate& p, double accuracy, double bound) override;
   const Measure* measure() const override { return goal() == Goal::kRobust ? &goals_.search.measure : nullptr; }
+  /// Limits that the best breaks over the judging drops are broken close by, too.
+  double separation() const override { return goal() == Goal::kRobust ? 0.03 : Objective::separation(); }
   bool has_judging() const override { return goal() == Goal::kRobust; }
   void evaluate_judging(std::span<Candidate> points) override;
 

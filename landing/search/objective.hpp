@@ -88,6 +88,8 @@ class Objective {
 
   /// Under scatter: the measure of the peaks; else null.
   virtual const Measure* measure() const { return nullptr; }
+  /// Minimum distance of the best few, as a fraction of the box.
+  virtual double separation() const { return 1e-3; }
   /// Under scatter: whether the best few are evaluated over other drops, and their values over those.
   virtual bool has_judging() const { return false; }
   virtual void evaluate_judging(std::span<Candidate>) {}

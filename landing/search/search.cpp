@@ -8,7 +8,6 @@ namespace ukemi::landing {
 
 namespace {
 constexpr std::size_t kContenders = 12;  ///< capacity of their archive
-constexpr double kSeparation = 1e-3;     ///< of contenders, as a fraction of the box
 constexpr double kGrace = 3e-3;          ///< processor time for a first answer after the deadline [s]
 }  // namespace
 
@@ -27,7 +26,7 @@ Search::Search(Objective& objective, const Budget& budget, std::uint64_t seed_, 
       first_landing_(objective.landings()),
       progress_(progress),
       centre_{objective.centre()},
-      contenders_(kContenders, kSeparation),
+      contenders_(kContenders, objective.separation()),
       held_(centre_),
       screened_{centre_, centre_} {
   objective.deadline = start_ + budget.seconds;

@@ -262,7 +262,7 @@ TEST_CASE("legs: a limit that binds is kept in 0.99 of 10,000 fresh drops, on th
     scene.scatter = Scatter{.pitch = 0.02, .height = 0.01, .phi = 0.01};
     if (scene.robot.base != Base::kFree) scene.scatter->pitch = 0;
     scene.loads = {load(c.kind, c.joint, 1e6)};
-    BodyPlanOptions o{.measure = Measure{}, .fresh = 10'000, .evaluations = 20'000, .seed = 5};
+    BodyPlanOptions o{.measure = Measure{}, .fresh = 10'000, .evaluations = 40'000, .seed = 5};
     BodyPlanOptions first = o;
     first.fresh = 0;
     scene.loads.push_back(load(Kind::kAcceleration, scene.robot.peak_link, 1));
